@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "commands.h"
-#include "interrupts.h"
-#include "model_libraries.h"
+#include "inputs/model_libraries.h"
+#include "options/commands.h"
 #include "samara/base/errors.h"
-#include "terminal.h"
+#include "terminal/interrupts.h"
+#include "terminal/terminal.h"
 
 namespace samara::apps {
 
@@ -35,6 +35,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);
+  if (arguments.follow) return run(*arguments.follow);
   if (arguments.wind) return run(*arguments.wind);
   if (arguments.flow) return run(*arguments.flow);
   if (arguments.picture) return run(*arguments.picture);

@@ -1,12 +1,14 @@
 """What the command costs: `points_csv`, a table of 100,000 points answered, from the start of the program to its end, beside the
 library's batch of the same points on as many threads, for a cheap codebook (coin) and one whose answers take longer (plate7);
-`difference` of the two, of the largest value; `version`, the least that a call takes; `mutations`, damaged inputs and those of them that
-were not refused as documented.
+`difference` of the two, of the largest value; `version`, the least that a call takes; `mutations`, damaged inputs of each kind by the
+calls of the library that the command makes, how often which exit code follows from them, and those that were not refused as
+documented; and of a tenth as many the same by the command itself (`by_command`).
 """
 
 import argparse
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -22,6 +24,7 @@ import mutations  # noqa: E402
 import samara  # noqa: E402
 
 COMMAND = ROOT / "build" / "release" / "apps" / "samara"
+INPUT_FUZZ = ROOT / "build" / "release" / "tests" / "identification" / "input_fuzz"
 PLATE = """model = "falling_plate_nd"
 [fixed]
 "theta(0)" = 0.4
@@ -76,6 +79,19 @@ def points_csv(case, folder, rows, rounds):
     report(case, "difference", float(np.max(np.abs(found - values)) / np.max(np.abs(values))))
 
 
+def damage(count):
+    said = subprocess.run([INPUT_FUZZ, str(count)], check=False, stdout=subprocess.PIPE, text=True, errors="replace").stdout
+    for kind, number, failures, slowest, codes in re.findall(r"^(\w+): (\d+) mutations, (\d+) failures, slowest ([\d.]+) s, exit codes (.*)$", said, re.M):
+        report("mutations", f"{kind}_count", int(number))
+        report("mutations", f"{kind}_failures", int(failures))
+        report("mutations", f"{kind}_slowest", float(slowest), "s")
+        for code, times in re.findall(r"(\d+): (\d+)", codes):
+            report("mutations", f"{kind}_exit_{code}", int(times))
+    wrong, seen = mutations.run(str(COMMAND), str(INPUT_FUZZ), count // 10)
+    report("mutations", "by_command_count", sum(counts.total() for counts in seen.values()))
+    report("mutations", "by_command_failures", len(wrong))
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("case", nargs="?")
@@ -90,9 +106,7 @@ def main():
     if wanted("version"):
         report("version", "time", least(5 if arguments.quick else 30, lambda: subprocess.run([COMMAND, "--version"], check=True, capture_output=True)), "s")
     if wanted("mutations"):
-        count = 200 if arguments.quick else 10_000
-        report("mutations", "count", count)
-        report("mutations", "failures", len(mutations.failures(str(COMMAND), count)))
+        damage(200 if arguments.quick else 10_000)
 
 
 main()

@@ -18,7 +18,7 @@ function(samara_page_parts target)
     motion_page ${web}/motion/motion_page.js
     explorer_markup ${web}/explorer/explorer.html
     explorer_style ${web}/explorer/explorer.css)
-  foreach(name evaluate body glb state curves controls page)
+  foreach(name evaluate body glb state curves controls view page)
     list(APPEND parts explorer_${name} ${web}/explorer/${name}.js)
   endforeach()
   while(parts)

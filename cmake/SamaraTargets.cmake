@@ -37,11 +37,13 @@ function(samara_room name)
   endif()
 endfunction()
 
-# samara_compile_together(<target> <source> ...)
+# samara_compile_together(<target> [ACROSS_FOLDERS] <source> ...)
 #
 # With SAMARA_UNITY_BUILD these sources of the target, and no others, share compilations, a few files each: most of
-# the time of a small file is that of its headers. Names in anonymous namespaces are unique among them.
+# the time of a small file is that of its headers. Names in anonymous namespaces are unique among them: in a folder, or
+# ACROSS_FOLDERS, where folders are small.
 function(samara_compile_together target)
+  cmake_parse_arguments(TOGETHER "ACROSS_FOLDERS" "" "" ${ARGN})
   if(NOT SAMARA_UNITY_BUILD)
     return()
   endif()
@@ -50,9 +52,12 @@ function(samara_compile_together target)
   target_compile_options(${target} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>")
   set(files_together 8)
   set(count 0)
-  foreach(source ${ARGN})
+  foreach(source ${TOGETHER_UNPARSED_ARGUMENTS})
     math(EXPR batch "${count} / ${files_together}")
-    cmake_path(GET source PARENT_PATH folder)
+    set(folder together)
+    if(NOT TOGETHER_ACROSS_FOLDERS)
+      cmake_path(GET source PARENT_PATH folder)
+    endif()
     string(MAKE_C_IDENTIFIER "${folder}_${batch}" group)
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${group}")
     math(EXPR count "${count} + 1")

@@ -198,7 +198,7 @@ std::string format_glb(const AnimatedScene& scene) {
   Json animation = {{"name", scene.name}, {"channels", Json::array()}, {"samplers", Json::array()}};
   for (const AnimatedBody& body : scene.bodies) {
     const int node = static_cast<int>(file["nodes"].size());
-    file["nodes"].push_back({{"name", body.name}, {"mesh", 0}});
+    file["nodes"].push_back({{"name", body.name}, {"mesh", 0}, {"extras", {{"start", body.times[0]}}}});
     file["scenes"][0]["nodes"].push_back(node);
     animate(body, node, buffer, animation);
   }
@@ -251,8 +251,9 @@ std::string format_usda(const AnimatedScene& scene) {
     const AnimatedBody& body = scene.bodies[b];
     const Eigen::Matrix4Xd rotations = with_near_signs(body.rotations);
     text += fmt::format(
-        "    def Mesh \"body_{}\" (\n        inherits = </_shape>\n        displayName = {}\n    )\n    {{\n",
-        b, usda_text(body.name));
+        "    def Mesh \"body_{}\" (\n        inherits = </_shape>\n        displayName = {}\n        customData = "
+        "{{\n            double start = {}\n        }}\n    )\n    {{\n",
+        b, usda_text(body.name), body.times[0]);
     std::string places, turns;
     for (Eigen::Index i = 0; i < body.times.size(); ++i) {
       const double code = kCodesPerSecond * (body.times[i] - body.times[0]);

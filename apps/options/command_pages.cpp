@@ -8,7 +8,7 @@ namespace samara::apps {
 
 namespace {
 
-constexpr std::array<CommandPage, 26> kPages = {{
+constexpr std::array<CommandPage, 27> kPages = {{
     {"models", {"samara models", "samara models vertical_fall"}, "docs/models.md"},
     {"simulate",
      {"samara simulate falling_plate_nd --until 20 -o plate.csv",
@@ -58,6 +58,10 @@ constexpr std::array<CommandPage, 26> kPages = {{
      {"samara design coin.h5 --fit fit.json --captures 4",
       "samara design coin.h5 --fit fit.json --for C_D --times 5"},
      "docs/fits.md"},
+    {"follow",
+     {"samara follow vertical_fall fit.json drop.csv --ahead \"0.1 s\"",
+      "samara follow vertical_fall fit.json drop.csv --train a.csv b.csv -o followed.csv"},
+     "docs/predictions.md"},
     {"wind",
      {"samara wind wind.toml", "samara wind wind.toml --at \"0, 0, 2 m\" --until \"10 min\" -o series.csv"},
      "docs/wind.md"},

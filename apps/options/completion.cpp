@@ -12,7 +12,7 @@ namespace samara::apps {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
+std::string spaced(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
@@ -50,7 +50,7 @@ std::string value_branches(const std::vector<CommandWords>& tree) {
     for (const OptionWords& option : command.options) {
       if (option.choices.empty()) continue;
       text += fmt::format("    {}/{}) _samara_words \"{}\"; return ;;\n", command.name, option.names.back(),
-                          joined(option.choices));
+                          spaced(option.choices));
     }
     if (std::ranges::any_of(command.options, takes_names))
       text += fmt::format("    {}/--set) _samara_names; return ;;\n", command.name);
@@ -69,7 +69,7 @@ std::string option_branches(const std::vector<CommandWords>& tree) {
     std::vector<std::string> names;
     for (const OptionWords& option : command.options)
       names.insert(names.end(), option.names.begin(), option.names.end());
-    text += fmt::format("    {}) options=\"{}\"{} ;;\n", command.name, joined(names),
+    text += fmt::format("    {}) options=\"{}\"{} ;;\n", command.name, spaced(names),
                         takes_model(command) ? "; models=\"$_samara_models\"" : "");
   }
   return text;
@@ -140,13 +140,13 @@ std::string fish_script(const std::vector<CommandWords>& tree, const std::vector
                         single_quoted(command.summary));
     const std::string seen =
         fmt::format("complete -c samara -n '__fish_seen_subcommand_from {}'", command.name);
-    if (takes_model(command)) text += fmt::format("{} -a '{}'\n", seen, joined(models));
+    if (takes_model(command)) text += fmt::format("{} -a '{}'\n", seen, spaced(models));
     for (const OptionWords& option : command.options) {
       text += seen;
       for (const std::string& name : option.names)
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (!option.value.empty()) text += " -r";
-      if (!option.choices.empty()) text += fmt::format(" -f -a '{}'", joined(option.choices));
+      if (!option.choices.empty()) text += fmt::format(" -f -a '{}'", spaced(option.choices));
       if (takes_names(option)) text += " -f -a '(__samara_names)'";
       text += fmt::format(" -d {}\n", single_quoted(option.text));
     }
@@ -165,8 +165,8 @@ std::string completion_script(const std::string& shell, const std::vector<Comman
   std::vector<std::string> commands;
   for (const CommandWords& command : tree) commands.push_back(command.name);
   std::string script = shell == "bash" ? kBash : kZsh;
-  script = with(std::move(script), "@models@", joined(models));
-  script = with(std::move(script), "@commands@", joined(commands));
+  script = with(std::move(script), "@models@", spaced(models));
+  script = with(std::move(script), "@commands@", spaced(commands));
   script = with(std::move(script), "@values@", value_branches(tree));
   return with(std::move(script), "@options@", option_branches(tree));
 }

@@ -7,7 +7,7 @@
 
 #include "options/command_pages.h"
 #include "options/option_tree.h"
-#include "text_layout.h"
+#include "terminal/text_layout.h"
 
 namespace samara::apps {
 

@@ -19,12 +19,13 @@ struct RunOption {
   ValueKind kind;
 };
 
-constexpr std::array<RunOption, 6> kRunOptions = {{{"--at", ValueKind::number},
+constexpr std::array<RunOption, 7> kRunOptions = {{{"--at", ValueKind::number},
                                                    {"--size", ValueKind::number},
                                                    {"--quantiles", ValueKind::number},
                                                    {"--outputs", ValueKind::name},
                                                    {"--turbulence", ValueKind::assignment},
-                                                   {"--left-out", ValueKind::file}}};
+                                                   {"--left-out", ValueKind::file},
+                                                   {"--train", ValueKind::file}}};
 
 const RunOption* find_run(std::string_view option) {
   const auto* const found = std::ranges::find(kRunOptions, option, &RunOption::name);

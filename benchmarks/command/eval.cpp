@@ -1,11 +1,13 @@
-/// Case `eval_h` of the benchmark `command`: points of codebooks by samara_eval.h beside the library, one call after the
-/// other in the same process.
+/// Points of codebooks by samara_eval.h beside the library, one call after the other in the same process: `eval_h` with the
+/// flags of the machine, as the library's own kernels have, `eval_h_flags` with -O3 alone, `eval_h_plain` by plain loops
+/// with -O3, as for compilers that are neither GCC nor Clang. Cases of the benchmark `command`.
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "report.h"
@@ -14,6 +16,9 @@
 #include "samara/codebooks/capi/samara_eval.h"
 #include "samara/codebooks/file/flat_file.h"
 #include "samara/codebooks/query/query.h"
+#include "tests/codebooks/flat_eval_variant.h"
+
+extern const FlatEval kEvalOfAnyMachine, kEvalPlain;
 
 namespace {
 
@@ -46,13 +51,13 @@ struct Worst {
   double difference = 0.0;
 };
 
-void compare(const Codebook& book, bool quick, Worst& worst) {
+void compare(const Codebook& book, const FlatEval& eval, bool quick, Worst& worst) {
   const std::string bytes = samara::codebooks::format_flat(book);
   samara_eval* flat = nullptr;
   const char* why = "";
-  if (samara_eval_open_memory(bytes.data(), bytes.size(), &flat, &why) != SAMARA_EVAL_DONE)
+  if (eval.open_memory(bytes.data(), bytes.size(), &flat, &why) != SAMARA_EVAL_DONE)
     throw std::runtime_error(why);
-  std::vector<double> work(samara_eval_work_size(flat));
+  std::vector<double> work(eval.work_size(flat));
   const Eigen::MatrixXd points = points_of(book);
   const auto d = static_cast<std::size_t>(points.rows());
   Query query(book);
@@ -61,8 +66,7 @@ void compare(const Codebook& book, bool quick, Worst& worst) {
   Eigen::MatrixXd gradient(outputs, points.rows());
   const auto ours = [&](bool slope) {
     for (Eigen::Index j = 0; j < kPoints; ++j)
-      samara_eval_point(flat, work.data(), points.col(j).data(), answer.data(),
-                        slope ? slopes.data() : nullptr);
+      eval.point(flat, work.data(), points.col(j).data(), answer.data(), slope ? slopes.data() : nullptr);
   };
   const auto theirs = [&](bool slope) {
     for (Eigen::Index j = 0; j < kPoints; ++j) {
@@ -83,12 +87,12 @@ void compare(const Codebook& book, bool quick, Worst& worst) {
                   apart = Eigen::VectorXd::Zero(outputs);
   for (Eigen::Index j = 0; j < kPoints; ++j) {
     query.values({points.col(j).data(), d}, values);
-    samara_eval_point(flat, work.data(), points.col(j).data(), answer.data(), nullptr);
+    eval.point(flat, work.data(), points.col(j).data(), answer.data(), nullptr);
     largest = largest.cwiseMax(values.cwiseAbs());
     apart = apart.cwiseMax((values - answer).cwiseAbs());
   }
   worst.difference = std::max(worst.difference, apart.cwiseQuotient(largest).maxCoeff());
-  samara_eval_close(flat);
+  eval.close(flat);
 }
 
 }  // namespace
@@ -96,17 +100,24 @@ void compare(const Codebook& book, bool quick, Worst& worst) {
 int main(int argc, char** argv) {
   try {
     const Options chosen = options(argc, argv);
-    if (!chosen.wants("eval_h")) return 0;
-    Worst worst;
-    for (const char* plan : {"coin/plan.toml", "query/plate.toml"}) compare(built(plan), chosen.quick, worst);
-    const auto line = [](const char* metric, const Pair& pair) {
-      print({"command", "eval_h", metric, pair.ours / kPoints, "s", "library", pair.ratio()});
-    };
-    line("point", worst.point);
-    line("gradient", worst.gradient);
-    print({"command", "eval_h", "difference", worst.difference});
-    print({"command", "eval_h", "bytes", static_cast<double>(std::filesystem::file_size(SAMARA_EVAL_OBJECT)),
-           "B"});
+    const FlatEval of_this_machine = {&samara_eval_open_memory, &samara_eval_work_size, &samara_eval_point,
+                                      &samara_eval_close};
+    std::vector<Codebook> books;
+    for (const auto& [test_case, eval] :
+         {std::pair("eval_h", &of_this_machine), std::pair("eval_h_flags", &kEvalOfAnyMachine),
+          std::pair("eval_h_plain", &kEvalPlain)}) {
+      if (!chosen.wants(test_case)) continue;
+      if (books.empty()) books = {built("coin/plan.toml"), built("query/plate.toml")};
+      Worst worst;
+      for (const Codebook& book : books) compare(book, *eval, chosen.quick, worst);
+      print({"command", test_case, "point", worst.point.ours / kPoints, "s", "library", worst.point.ratio()});
+      print({"command", test_case, "gradient", worst.gradient.ours / kPoints, "s", "library",
+             worst.gradient.ratio()});
+      print({"command", test_case, "difference", worst.difference});
+    }
+    if (chosen.wants("eval_h"))
+      print({"command", "eval_h", "bytes",
+             static_cast<double>(std::filesystem::file_size(SAMARA_EVAL_OBJECT)), "B"});
   } catch (const std::exception& error) {
     std::cerr << "command_eval: " << error.what() << '\n';
     return 1;

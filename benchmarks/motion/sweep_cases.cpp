@@ -10,6 +10,7 @@
 #include "motion/cases.h"
 #include "samara/motion/patterns/clusters.h"
 #include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/refining.h"
 
 namespace samara::benchmarks::motion_cases {
 

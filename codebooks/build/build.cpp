@@ -107,14 +107,14 @@ Solution chosen(Solution solution, const std::string& reason) {
 /// The calls of a build by sampling, with those of its checkpoint if it is resumed. A disk that is full must
 /// not end a build that needs no disk: it is told once.
 CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
+  Checkpoint checkpoint(options.checkpoint, plan.whole_text());
   std::vector<CallSheet> known;
-  if (options.resume && is_checkpoint(options.checkpoint))
-    known = load_calls(options.checkpoint, plan.whole_text());
+  if (options.resume && is_checkpoint(options.checkpoint)) known = checkpoint.calls();
   CallMemory::Save save;
   if (!options.checkpoint.empty()) {
-    save = [&plan, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
+    save = [checkpoint, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
       try {
-        save_calls(options.checkpoint, plan.whole_text(), calls, plan.box.size());
+        checkpoint.save_calls(calls);
       } catch (const ArgumentError& error) {
         if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
         warned = true;
@@ -360,9 +360,13 @@ BuildResult build_of_field(const Plan& plan, const BuildOptions& options, const 
                [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
                  return measure(book, reference, certify_by, extent);
                }}};
+  double aim = first_aim(plan);
   for (int attempt = 1;; ++attempt) {
-    BuildResult result = build.certified(solve_field(plan, attempt, progress));
-    if (result.met || cancelled || attempt == kFieldAttempts) return result;
+    BuildResult result = build.certified(solve_field(plan, aim, attempt, progress));
+    // Where terms do not suffice, more of them would be needed for less.
+    const bool is_at_limit = result.book.build().status == Termination::rank_limit;
+    if (result.met || cancelled || is_at_limit || attempt == kFieldAttempts) return result;
+    aim = next_aim(aim, result.book.certificate()->max_error, plan);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "samara/codebooks/build/field_builder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -12,9 +13,17 @@
 
 namespace samara::codebooks {
 
-Solution solve_field(const Plan& plan, int attempt, const ProgressCallback& progress) {
-  constexpr double kFirst = 0.5, kFiner = 0.2;
-  const double aim = kFirst * plan.relative * std::pow(kFiner, attempt - 1);
+double first_aim(const Plan& plan) {
+  return 0.5 * plan.relative;
+}
+
+double next_aim(double aim, double error, const Plan& plan) {
+  constexpr double kSafety = 0.6, kLeast = 0.2, kMost = 0.7;
+  // The error goes with the aim, more or less; a smaller one than needed is dear, over decades above all.
+  return aim * (std::isfinite(error) ? std::clamp(kSafety * plan.relative / error, kLeast, kMost) : kLeast);
+}
+
+Solution solve_field(const Plan& plan, double aim, int attempt, const ProgressCallback& progress) {
   pgd::ParametricProblem problem = ready_problem(plan, aim);
   pgd::EnrichOptions options;
   options.projection = pgd::Projection::minimal_residual;  // of time there is a first derivative

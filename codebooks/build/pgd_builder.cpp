@@ -84,9 +84,10 @@ BuildRecord record_of(const pgd::SlabResult& result, const std::string& strategy
 std::function<void(const std::vector<double>&)> checkpoint_writer(const Plan& plan,
                                                                   const BuildOptions& options) {
   if (options.checkpoint.empty()) return {};
-  return [&plan, &options, warned = false](const std::vector<double>& state) mutable {
+  return [checkpoint = Checkpoint(options.checkpoint, plan.whole_text()), &options,
+          warned = false](const std::vector<double>& state) mutable {
     try {
-      save_march(options.checkpoint, plan.whole_text(), state);
+      checkpoint.save_march(state);
     } catch (const ArgumentError& error) {
       if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
       warned = true;
@@ -98,7 +99,7 @@ std::function<void(const std::vector<double>&)> checkpoint_writer(const Plan& pl
 pgd::SlabResult marched(const pgd::AdaptiveProblem& problem, const std::string& strategy,
                         const pgd::SlabOptions& slabs, const Plan& plan, const BuildOptions& options) {
   if (!options.resume || !is_checkpoint(options.checkpoint)) return pgd::march(problem, strategy, slabs);
-  const std::vector<double> state = load_march(options.checkpoint, plan.whole_text());
+  const std::vector<double> state = Checkpoint(options.checkpoint, plan.whole_text()).march();
   try {
     return pgd::march(problem, strategy, slabs, state);
   } catch (const ArgumentError& error) {

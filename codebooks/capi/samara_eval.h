@@ -25,9 +25,14 @@
  * states (energies, forces) is not in a flat file, nor is anything that Samara would need to build on it.
  *
  * Numbers are doubles, in SI units, angles in rad. A book does not change once it is open: threads share it, each
- * with its own work space. Answers do not allocate. Compile with optimisation, and for the machine where that may
- * be (-O3 -march=native): GCC and Clang then use its vectors. Under -ffast-math files and points that hold NaN or
- * infinity are refused as well.
+ * with its own work space. Answers do not allocate. Compile with optimisation, and for the machine where that may be
+ * (-O3 -march=native). Without that flag GCC and Clang for x86 make the inner loops also for processors with AVX2, and
+ * the program looks which it runs on. Under -ffast-math files and points that hold NaN or infinity are refused as well.
+ *
+ * Before the line that includes the code, these may be defined:
+ *   SAMARA_EVAL_STATIC        all functions are seen in that source file only
+ *   SAMARA_EVAL_ONE_MACHINE   no instructions but those that the compiler was told of
+ *   SAMARA_EVAL_PLAIN         plain loops of C, as for compilers that are neither GCC nor Clang
  *
  * A file that is damaged, cut off, from another format version or of another byte order is refused when it is
  * opened: every size and offset in it is checked, and a checksum over all of it.
@@ -35,6 +40,14 @@
 
 #ifdef __cplusplus
 extern "C" {
+#endif
+
+#ifndef SAMARA_EVAL_STATIC
+#define SAMARA_EVAL_API
+#elif defined(__GNUC__)
+#define SAMARA_EVAL_API static __attribute__((unused))
+#else
+#define SAMARA_EVAL_API static
 #endif
 
 /* The version of the flat format that this header reads. */
@@ -51,31 +64,32 @@ typedef enum samara_eval_status {
 typedef struct samara_eval samara_eval;
 
 /* `why` says in one sentence what is wrong; it may be null. Where a call fails, the book is null. */
-samara_eval_status samara_eval_open(const char* path, samara_eval** book, const char** why);
+SAMARA_EVAL_API samara_eval_status samara_eval_open(const char* path, samara_eval** book, const char** why);
 /* The same of bytes in memory, which are copied. */
-samara_eval_status samara_eval_open_memory(const void* bytes, size_t size, samara_eval** book,
-                                           const char** why);
+SAMARA_EVAL_API samara_eval_status samara_eval_open_memory(const void* bytes, size_t size, samara_eval** book,
+                                                           const char** why);
 /* Null is ignored. */
-void samara_eval_close(samara_eval* book);
+SAMARA_EVAL_API void samara_eval_close(samara_eval* book);
 
-int samara_eval_coordinate_count(const samara_eval* book);
-int samara_eval_output_count(const samara_eval* book);
+SAMARA_EVAL_API int samara_eval_coordinate_count(const samara_eval* book);
+SAMARA_EVAL_API int samara_eval_output_count(const samara_eval* book);
 /* Texts live as long as the book; they are empty for an index that does not exist. */
-const char* samara_eval_coordinate_name(const samara_eval* book, int coordinate);
-const char* samara_eval_coordinate_unit(const samara_eval* book, int coordinate);
-const char* samara_eval_output_name(const samara_eval* book, int output);
-const char* samara_eval_output_unit(const samara_eval* book, int output);
-const char* samara_eval_model(const samara_eval* book);
-const char* samara_eval_title(const samara_eval* book);
+SAMARA_EVAL_API const char* samara_eval_coordinate_name(const samara_eval* book, int coordinate);
+SAMARA_EVAL_API const char* samara_eval_coordinate_unit(const samara_eval* book, int coordinate);
+SAMARA_EVAL_API const char* samara_eval_output_name(const samara_eval* book, int output);
+SAMARA_EVAL_API const char* samara_eval_output_unit(const samara_eval* book, int output);
+SAMARA_EVAL_API const char* samara_eval_model(const samara_eval* book);
+SAMARA_EVAL_API const char* samara_eval_title(const samara_eval* book);
 /* Ends of the box; WRONG_CALL for a coordinate that does not exist. */
-samara_eval_status samara_eval_bounds(const samara_eval* book, int coordinate, double* lower, double* upper);
+SAMARA_EVAL_API samara_eval_status samara_eval_bounds(const samara_eval* book, int coordinate, double* lower,
+                                                      double* upper);
 
 /* Parameters and initial values that the plan fixed. */
-int samara_eval_fixed_count(const samara_eval* book);
-const char* samara_eval_fixed_name(const samara_eval* book, int fixed);
-const char* samara_eval_fixed_unit(const samara_eval* book, int fixed);
+SAMARA_EVAL_API int samara_eval_fixed_count(const samara_eval* book);
+SAMARA_EVAL_API const char* samara_eval_fixed_name(const samara_eval* book, int fixed);
+SAMARA_EVAL_API const char* samara_eval_fixed_unit(const samara_eval* book, int fixed);
 /* NaN for an index that does not exist. */
-double samara_eval_fixed_value(const samara_eval* book, int fixed);
+SAMARA_EVAL_API double samara_eval_fixed_value(const samara_eval* book, int fixed);
 
 typedef struct samara_eval_certificate {
   int exists;       /* 0: nobody measured the error, and the numbers are NaN */
@@ -84,21 +98,21 @@ typedef struct samara_eval_certificate {
   double max_error; /* the largest of all outputs, in the same measure */
   double points;    /* at which it was measured */
 } samara_eval_certificate;
-samara_eval_certificate samara_eval_certificate_of(const samara_eval* book);
+SAMARA_EVAL_API samara_eval_certificate samara_eval_certificate_of(const samara_eval* book);
 /* Largest error of an output: of its range, and in its unit. NaN without a certificate. */
-samara_eval_status samara_eval_output_error(const samara_eval* book, int output, double* relative,
-                                            double* si);
+SAMARA_EVAL_API samara_eval_status samara_eval_output_error(const samara_eval* book, int output,
+                                                            double* relative, double* si);
 
 /* Doubles of the work space of one thread. */
-size_t samara_eval_work_size(const samara_eval* book);
+SAMARA_EVAL_API size_t samara_eval_work_size(const samara_eval* book);
 
 /* All outputs at a point x, which has a number per coordinate, and derivatives: gradient[output * coordinates +
  * coordinate], or null where they are not wanted. At a border of pieces the lower one answers. Derivatives by a
  * coordinate that is a list of values are NaN. A point that is refused leaves values and gradient as they are. */
-samara_eval_status samara_eval_point(const samara_eval* book, double* work, const double* x, double* values,
-                                     double* gradient);
+SAMARA_EVAL_API samara_eval_status samara_eval_point(const samara_eval* book, double* work, const double* x,
+                                                     double* values, double* gradient);
 /* The first coordinate that is not finite or outside the box; -1 if all are inside. */
-int samara_eval_outside(const samara_eval* book, const double* x);
+SAMARA_EVAL_API int samara_eval_outside(const samara_eval* book, const double* x);
 
 #ifdef __cplusplus
 }
@@ -119,25 +133,6 @@ int samara_eval_outside(const samara_eval* book, const double* x);
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Vectors of the machine, where the compiler has them; without, the same lines work on single numbers. */
-#if defined(__GNUC__) && !defined(SAMARA_EVAL_PLAIN)
-#if defined(__AVX512F__)
-#define SAMARA_EVAL_LANES 8
-#elif defined(__AVX__)
-#define SAMARA_EVAL_LANES 4
-#else
-#define SAMARA_EVAL_LANES 2
-#endif
-typedef double samara_eval_lanes
-    __attribute__((vector_size(SAMARA_EVAL_LANES * sizeof(double)), aligned(8), may_alias));
-#else
-#define SAMARA_EVAL_LANES 1
-typedef double samara_eval_lanes;
-#endif
-/* A vector in an array of doubles. */
-#define SAMARA_EVAL_AT(address) (*(samara_eval_lanes*)(void*)(address))
-#define SAMARA_EVAL_OF(address) (*(const samara_eval_lanes*)(const void*)(address))
 
 /* Numbers of rows are stored up to a multiple of this. */
 #define SAMARA_EVAL_PAD 8
@@ -752,46 +747,106 @@ static double samara_eval_transform_slope(size_t transform, double x) {
   }
 }
 
-/* c[0 .. rows) = a b, of a matrix column by column, `lead` apart. Whole vectors: a and c have room for them. */
-static void samara_eval_multiply(const double* a, size_t lead, size_t rows, size_t inner, const double* b,
-                                 double* c) {
-  const samara_eval_lanes zero = {0};
-  size_t row, k;
-  for (row = 0; row < rows; row += SAMARA_EVAL_LANES) {
-    const double* from = a + row;
-    samara_eval_lanes s0 = zero, s1 = zero, s2 = zero, s3 = zero; /* sums that do not wait for each other */
-    for (k = 0; k + 4 <= inner; k += 4, from += 4 * lead) {
-      s0 += SAMARA_EVAL_OF(from) * b[k];
-      s1 += SAMARA_EVAL_OF(from + lead) * b[k + 1];
-      s2 += SAMARA_EVAL_OF(from + 2 * lead) * b[k + 2];
-      s3 += SAMARA_EVAL_OF(from + 3 * lead) * b[k + 3];
-    }
-    for (; k < inner; ++k, from += lead) s0 += SAMARA_EVAL_OF(from) * b[k];
-    SAMARA_EVAL_AT(c + row) = (s0 + s1) + (s2 + s3);
-  }
-}
+/* combine(columns, lead, rows, count, weights, out): out = sum over k < count of weights[k] times column k, of a matrix
+ * column by column, `lead` apart. A core at a point from what it has at the nodes, or a matrix times a vector: all the
+ * work of a point. Whole blocks of SAMARA_EVAL_PAD rows, for which there is room. */
+typedef void (*samara_eval_combine)(const double*, size_t, size_t, size_t, const double*, double*);
 
-/* out = sum over the touched nodes of their weights times what the core has there. */
-static void samara_eval_blend(const double* core, size_t stride, size_t touched, const double* weights,
-                              double* out) {
-  const samara_eval_lanes zero = {0};
-  const size_t step = 4 * SAMARA_EVAL_LANES;
-  size_t at = 0, i;
-  for (; at + step <= stride; at += step) {
-    const double* from = core + at;
-    samara_eval_lanes s0 = zero, s1 = zero, s2 = zero, s3 = zero;
-    for (i = 0; i < touched; ++i, from += stride) {
-      s0 += SAMARA_EVAL_OF(from) * weights[i];
-      s1 += SAMARA_EVAL_OF(from + SAMARA_EVAL_LANES) * weights[i];
-      s2 += SAMARA_EVAL_OF(from + 2 * SAMARA_EVAL_LANES) * weights[i];
-      s3 += SAMARA_EVAL_OF(from + 3 * SAMARA_EVAL_LANES) * weights[i];
-    }
-    SAMARA_EVAL_AT(out + at) = s0;
-    SAMARA_EVAL_AT(out + at + SAMARA_EVAL_LANES) = s1;
-    SAMARA_EVAL_AT(out + at + 2 * SAMARA_EVAL_LANES) = s2;
-    SAMARA_EVAL_AT(out + at + 3 * SAMARA_EVAL_LANES) = s3;
+#if defined(__GNUC__) && !defined(SAMARA_EVAL_PLAIN)
+/* By vectors of so many bytes: four of them at a time, then one at a time, in sums that do not wait for each other. */
+#define SAMARA_EVAL_COMBINE(name, bytes, machine)                                                          \
+  typedef double name##_lanes __attribute__((vector_size(bytes), aligned(8), may_alias));                  \
+  machine static void name(const double* columns, size_t lead, size_t rows, size_t count,                  \
+                           const double* weights, double* out) {                                           \
+    const name##_lanes zero = {0};                                                                         \
+    const size_t each = (bytes) / sizeof(double), end = samara_eval_padded(rows);                          \
+    size_t row = 0, k;                                                                                     \
+    for (; row + 4 * each <= end; row += 4 * each) {                                                       \
+      const double* from = columns + row;                                                                  \
+      name##_lanes s0 = zero, s1 = zero, s2 = zero, s3 = zero, t0 = zero, t1 = zero, t2 = zero, t3 = zero; \
+      for (k = 0; k + 2 <= count; k += 2, from += 2 * lead) {                                              \
+        const name##_lanes* const a = (const name##_lanes*)(const void*)from;                              \
+        const name##_lanes* const b = (const name##_lanes*)(const void*)(from + lead);                     \
+        s0 += a[0] * weights[k];                                                                           \
+        s1 += a[1] * weights[k];                                                                           \
+        s2 += a[2] * weights[k];                                                                           \
+        s3 += a[3] * weights[k];                                                                           \
+        t0 += b[0] * weights[k + 1];                                                                       \
+        t1 += b[1] * weights[k + 1];                                                                       \
+        t2 += b[2] * weights[k + 1];                                                                       \
+        t3 += b[3] * weights[k + 1];                                                                       \
+      }                                                                                                    \
+      if (k < count) {                                                                                     \
+        const name##_lanes* const a = (const name##_lanes*)(const void*)from;                              \
+        s0 += a[0] * weights[k];                                                                           \
+        s1 += a[1] * weights[k];                                                                           \
+        s2 += a[2] * weights[k];                                                                           \
+        s3 += a[3] * weights[k];                                                                           \
+      }                                                                                                    \
+      ((name##_lanes*)(void*)(out + row))[0] = s0 + t0;                                                    \
+      ((name##_lanes*)(void*)(out + row))[1] = s1 + t1;                                                    \
+      ((name##_lanes*)(void*)(out + row))[2] = s2 + t2;                                                    \
+      ((name##_lanes*)(void*)(out + row))[3] = s3 + t3;                                                    \
+    }                                                                                                      \
+    for (; row < end; row += each) {                                                                       \
+      const double* from = columns + row;                                                                  \
+      name##_lanes s0 = zero, s1 = zero, s2 = zero, s3 = zero;                                             \
+      for (k = 0; k + 4 <= count; k += 4, from += 4 * lead) {                                              \
+        s0 += *(const name##_lanes*)(const void*)from * weights[k];                                        \
+        s1 += *(const name##_lanes*)(const void*)(from + lead) * weights[k + 1];                           \
+        s2 += *(const name##_lanes*)(const void*)(from + 2 * lead) * weights[k + 2];                       \
+        s3 += *(const name##_lanes*)(const void*)(from + 3 * lead) * weights[k + 3];                       \
+      }                                                                                                    \
+      for (; k < count; ++k, from += lead) s0 += *(const name##_lanes*)(const void*)from * weights[k];     \
+      *(name##_lanes*)(void*)(out + row) = (s0 + s1) + (s2 + s3);                                          \
+    }                                                                                                      \
   }
-  if (at < stride) samara_eval_multiply(core + at, stride, stride - at, touched, weights, out + at);
+
+#if defined(__AVX512F__)
+SAMARA_EVAL_COMBINE(samara_eval_combine_here, 64, )
+#elif defined(__AVX__)
+SAMARA_EVAL_COMBINE(samara_eval_combine_here, 32, )
+#else
+SAMARA_EVAL_COMBINE(samara_eval_combine_here, 16, )
+#endif
+#if defined(__x86_64__) && !(defined(__AVX2__) && defined(__FMA__)) && !defined(SAMARA_EVAL_ONE_MACHINE)
+/* Where the compiler was not told of the machine: once more for processors of x86 since 2013, and the program looks
+ * which it runs on. */
+SAMARA_EVAL_COMBINE(samara_eval_combine_avx2, 32, __attribute__((target("avx2,fma"))))
+#define SAMARA_EVAL_HAS_AVX2
+#endif
+#else
+/* By plain loops, of which compilers make vectors where they know that arrays do not overlap. */
+#if defined(_MSC_VER) || defined(__GNUC__)
+#define SAMARA_EVAL_RESTRICT __restrict
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 199901L
+#define SAMARA_EVAL_RESTRICT restrict
+#else
+#define SAMARA_EVAL_RESTRICT
+#endif
+static void samara_eval_combine_here(const double* SAMARA_EVAL_RESTRICT columns, size_t lead, size_t rows,
+                                     size_t count, const double* SAMARA_EVAL_RESTRICT weights,
+                                     double* SAMARA_EVAL_RESTRICT out) {
+  const size_t end = samara_eval_padded(rows);
+  size_t row, i, k;
+  for (row = 0; row < end; ++row) out[row] = 0.0;
+  for (k = 0; k + 4 <= count; k += 4, columns += 4 * lead) {
+    const double w0 = weights[k], w1 = weights[k + 1], w2 = weights[k + 2], w3 = weights[k + 3];
+    const double *const a = columns + lead, *const b = a + lead, *const c = b + lead;
+    for (row = 0; row < end; row += SAMARA_EVAL_PAD)
+      for (i = row; i < row + SAMARA_EVAL_PAD; ++i)
+        out[i] += (columns[i] * w0 + a[i] * w1) + (b[i] * w2 + c[i] * w3);
+  }
+  for (; k < count; ++k, columns += lead)
+    for (row = 0; row < end; ++row) out[row] += columns[row] * weights[k];
+}
+#endif
+
+static samara_eval_combine samara_eval_best_combine(void) {
+#ifdef SAMARA_EVAL_HAS_AVX2
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return samara_eval_combine_avx2;
+#endif
+  return samara_eval_combine_here;
 }
 
 /* Weights of the nodes of an element. By products of differences: accurate to a few eps of each of them. */
@@ -847,7 +902,8 @@ static void samara_eval_trigonometric(const samara_eval_axis* axis, double x, do
 }
 
 /* Weights of the nodes that x touches and, where `slope` is not null, their derivatives; returns the first node. */
-static size_t samara_eval_weights(const samara_eval_axis* axis, double x, double* value, double* slope) {
+static size_t samara_eval_weights(const samara_eval_axis* axis, samara_eval_combine combine, double x,
+                                  double* value, double* slope) {
   size_t element, j;
   double left, right, distance, place, scale;
   if (axis->kind == SAMARA_EVAL_LIST) {
@@ -858,8 +914,7 @@ static size_t samara_eval_weights(const samara_eval_axis* axis, double x, double
   }
   if (axis->kind == SAMARA_EVAL_PERIODIC) {
     samara_eval_trigonometric(axis, x, value);
-    if (slope != NULL)
-      samara_eval_multiply(axis->slopes, axis->lead, axis->touched, axis->touched, value, slope);
+    if (slope != NULL) combine(axis->slopes, axis->lead, axis->touched, axis->touched, value, slope);
     return 0;
   }
   /* At a border, the element on the left. */
@@ -877,7 +932,7 @@ static size_t samara_eval_weights(const samara_eval_axis* axis, double x, double
     samara_eval_barycentric(axis, place, value);
   }
   if (slope != NULL) {
-    samara_eval_multiply(axis->slopes, axis->lead, axis->touched, axis->touched, value, slope);
+    combine(axis->slopes, axis->lead, axis->touched, axis->touched, value, slope);
     scale = 2.0 / distance * samara_eval_transform_slope(axis->transform, x);
     for (j = 0; j < axis->touched; ++j) slope[j] *= scale;
   }
@@ -916,8 +971,8 @@ static const samara_eval_piece* samara_eval_find(const samara_eval* book, const 
  * value v and derivatives t_m by axes m behind; with the blend S of axis k and its derivative S', v <- S v, t_m <- S
  * t_m and t_k = S' v. Column 0 is v, column 1 + m is t_m. */
 static void samara_eval_group_at(const samara_eval* book, const samara_eval_piece* piece,
-                                 const samara_eval_group* group, double* work, double* values,
-                                 double* gradient) {
+                                 const samara_eval_group* group, samara_eval_combine combine, double* work,
+                                 double* values, double* gradient) {
   const size_t d = book->coordinates, lead = book->column_lead;
   const double* const weights = work + samara_eval_padded(d);
   double* const blend = work + samara_eval_padded(d) + 2 * d * book->weights_lead;
@@ -932,10 +987,10 @@ static void samara_eval_group_at(const samara_eval* book, const samara_eval_piec
     const double* const value_weights = weights + 2 * k * book->weights_lead;
     const int is_last = k + 1 == d;
     double* swapped;
-    samara_eval_blend(data, core->stride, touched, value_weights, is_last ? next : blend);
+    combine(data, core->stride, core->stride, touched, value_weights, is_last ? next : blend);
     if (gradient != NULL)
-      samara_eval_blend(data, core->stride, touched, value_weights + book->weights_lead,
-                        is_last ? next + (1 + k) * lead : slope);
+      combine(data, core->stride, core->stride, touched, value_weights + book->weights_lead,
+              is_last ? next + (1 + k) * lead : slope);
     if (!is_last) {
       for (m = 0; m <= d; ++m) {
         const int is_own = m == 1 + k; /* t_k, of v */
@@ -943,10 +998,9 @@ static void samara_eval_group_at(const samara_eval* book, const samara_eval_piec
         const double* const from = columns + (is_own ? 0 : m * lead);
         if (m > 0 && (gradient == NULL || m < 1 + k)) continue;
         if (group->is_train) {
-          samara_eval_multiply(matrix, core->left, core->left, core->right, from, next + m * lead);
+          combine(matrix, core->left, core->left, core->right, from, next + m * lead);
         } else {
-          for (i = 0; i < core->stride; i += SAMARA_EVAL_LANES)
-            SAMARA_EVAL_AT(next + m * lead + i) = SAMARA_EVAL_OF(matrix + i) * SAMARA_EVAL_OF(from + i);
+          for (i = 0; i < core->stride; ++i) next[m * lead + i] = matrix[i] * from[i];
         }
       }
     }
@@ -957,8 +1011,7 @@ static void samara_eval_group_at(const samara_eval* book, const samara_eval_piec
   for (m = 0; m <= (gradient != NULL ? d : 0); ++m) {
     const double* rows = columns + m * lead;
     if (group->front != NULL) {
-      samara_eval_multiply(group->front, group->front_lead, group->outputs, group->front_rank, rows,
-                           next + m * lead);
+      combine(group->front, group->front_lead, group->outputs, group->front_rank, rows, next + m * lead);
       rows = next + m * lead;
     }
     for (i = 0; i < group->outputs; ++i) {
@@ -994,6 +1047,7 @@ static void samara_eval_restore(const samara_eval* book, double* values, double*
 
 samara_eval_status samara_eval_point(const samara_eval* book, double* work, const double* x, double* values,
                                      double* gradient) {
+  const samara_eval_combine combine = samara_eval_best_combine();
   const samara_eval_piece* piece;
   size_t k, g;
   if (book == NULL || work == NULL || x == NULL || values == NULL) return SAMARA_EVAL_WRONG_CALL;
@@ -1004,11 +1058,11 @@ samara_eval_status samara_eval_point(const samara_eval* book, double* work, cons
   work += (64 - (uintptr_t)work % 64) % 64 / 8;
   for (k = 0; k < book->coordinates; ++k) {
     double* const weights = work + samara_eval_padded(book->coordinates) + 2 * k * book->weights_lead;
-    work[k] = (double)samara_eval_weights(piece->axes + k, x[k], weights,
+    work[k] = (double)samara_eval_weights(piece->axes + k, combine, x[k], weights,
                                           gradient == NULL ? NULL : weights + book->weights_lead);
   }
   for (g = 0; g < piece->group_count; ++g)
-    samara_eval_group_at(book, piece, piece->groups + g, work, values, gradient);
+    samara_eval_group_at(book, piece, piece->groups + g, combine, work, values, gradient);
   if (book->has_attitude) samara_eval_restore(book, values, gradient);
   return SAMARA_EVAL_DONE;
 }

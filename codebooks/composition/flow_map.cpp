@@ -13,6 +13,7 @@
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/book/box.h"
 #include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/composition/motion_symmetry.h"
 #include "samara/codebooks/composition/reduced_attitude.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/models/interface/parametric_model.h"
@@ -32,7 +33,7 @@ struct Carried {
   bool held = false;              ///< the same at the start of every window: of a reduced attitude
   double origin = 0.0;            ///< initial value in the codebook, of a state that is only displaced
   double lower = 0.0, upper = 0.0;
-  bool wraps = false;  ///< an angle whose axis is a full turn wide
+  bool wraps = false;  ///< an angle: full turns do not matter
 };
 
 std::optional<int> find_name(const auto& list, const std::string& name) {
@@ -72,34 +73,20 @@ std::optional<ReducedAttitude> reduced_attitude(const Codebook& book, const mode
       turns ? "at 0" : "an axis too, since the model notices the yaw"));
 }
 
-/// f at the middle of the box, with one state moved and at some time.
-std::vector<double> rate(const models::ParametricModel& model, std::span<const double> middle, double t,
-                         std::size_t moved, double by) {
-  models::ParametricModel::Workspace workspace = model.make_workspace();
-  std::vector<double> x(static_cast<std::size_t>(model.state_count()));
-  std::vector<double> f(x.size());
-  model.initial(middle, x);
-  x[moved] += by;
-  model.rhs(t, x, middle, f, workspace);
-  return f;
-}
-
-/// To round-off of the larger rates.
-bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
-  double size = 0.0, difference = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    size = std::max({size, std::abs(a[i]), std::abs(b[i])});
-    difference = std::max(difference, std::abs(a[i] - b[i]));
-  }
-  return difference <= 1e-10 * size;
-}
-
 }  // namespace
 
 struct FlowMap::Impl {
+  /// A state that is outside the box.
+  struct Leaving {
+    std::size_t state = 0;
+    double value = 0.0;              ///< reduced
+    const HalfTurn* turn = nullptr;  ///< after which it is
+  };
   /// Where a window begins.
   struct Window {
     Eigen::VectorXd start;             ///< all states as they are
+    const HalfTurn* turn = nullptr;    ///< of the body, that brings it into the box; null: none is needed
+    Eigen::VectorXd turned;            ///< after it
     Eigen::VectorXd reduced;           ///< without heading, where an attitude is reduced
     Eigen::MatrixXd reduced_by_start;  ///< where derivatives are wanted
     std::vector<double> shift;         ///< what the codebook's states are displaced by
@@ -111,6 +98,7 @@ struct FlowMap::Impl {
   std::vector<std::string> units;
   std::vector<Carried> carried;
   std::optional<ReducedAttitude> attitude;
+  std::vector<HalfTurn> turns;
   std::vector<Coordinate> parameters;
   std::vector<int> parameter_places;  ///< coordinates of the codebook
   double window = 0.0;
@@ -123,8 +111,11 @@ struct FlowMap::Impl {
   explicit Impl(const Codebook& codebook);
   Carried carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const;
   void check(std::span<const double> start, std::span<const double> q, std::span<const double> times) const;
-  /// Loads the reduced start of a window. @returns the state that is outside the box, if one is
-  std::optional<std::size_t> load(Window& at);
+  /// Loads the start of a window, after a half turn of the body where that is needed.
+  /// @returns why it is outside the box, if it is: as it is, or for what a turn that helps the attitude leaves
+  std::optional<Leaving> open(Window& at, bool with_derivatives);
+  /// The same after one turn or none.
+  std::optional<Leaving> load(Window& at, bool with_derivatives);
   /// States at a time of the window that was loaded, reduced as its start, and their derivatives by the
   /// states at its start and the parameters.
   void answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
@@ -132,7 +123,7 @@ struct FlowMap::Impl {
   /// The same as they are, from the start as it is.
   void answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
                    Eigen::MatrixXd* by_parameters);
-  std::string left_box(double t, std::size_t state, double value) const;
+  std::string left_box(double t, const Leaving& leaving) const;
   void run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
            FlowMapResult& result);
 };
@@ -148,7 +139,7 @@ Carried FlowMap::Impl::carry(const models::ModelInfo& info, std::size_t state, b
     const Coordinate& axis = book.coordinates()[static_cast<std::size_t>(*result.coordinate)];
     result.lower = axis.lower;
     result.upper = axis.upper;
-    result.wraps = is_angle && axis.upper - axis.lower >= kTurn * (1.0 - 1e-9);
+    result.wraps = is_angle;
     return result;
   }
   if (attitude && attitude->holds(static_cast<int>(state))) {
@@ -167,10 +158,11 @@ Carried FlowMap::Impl::carry(const models::ModelInfo& info, std::size_t state, b
 FlowMap::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
   const models::ParametricModel model = model_of(book);
   const models::ModelInfo& info = model.model().info();
-  std::vector<double> middle;
+  std::vector<double> lower, upper;
   for (std::size_t k = 1; k < book.coordinates().size(); ++k) {
     const Coordinate& c = book.coordinates()[k];
-    middle.push_back(0.5 * (c.lower + c.upper));
+    lower.push_back(c.lower);
+    upper.push_back(c.upper);
     if (c.role == pgd::AxisRole::initial) continue;
     parameters.push_back(c);
     parameter_places.push_back(static_cast<int>(k));
@@ -181,8 +173,9 @@ FlowMap::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) 
     throw ArgumentError(
         fmt::format("a flow map needs a codebook from t = 0 on; this one begins at {}", time.lower));
   }
-  const std::vector<double> f = rate(model, middle, 0.0, 0, 0.0);
-  if (!nearly_equal(f, rate(model, middle, 0.37 * window, 0, 0.0))) {
+  MotionSymmetry symmetry = motion_symmetry(model, lower, upper, 0.37 * window);
+  turns = std::move(symmetry.turns);
+  if (!symmetry.autonomous) {
     throw ArgumentError(
         fmt::format("a flow map needs an autonomous model; \"{}\" depends on time", info.name));
   }
@@ -190,9 +183,7 @@ FlowMap::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) 
   for (std::size_t i = 0; i < info.states.size(); ++i) {
     states.push_back(info.states[i].name);
     units.push_back(info.states[i].unit);
-    // The unit does not tell: of dimensionless models it is 1.
-    const auto notices = [&](double turn) { return !nearly_equal(f, rate(model, middle, 0.0, i, turn)); };
-    carried.push_back(carry(info, i, notices(1.0) && !notices(kTurn)));
+    carried.push_back(carry(info, i, symmetry.angles[i]));
   }
   point.resize(book.coordinates().size());
   values.resize(book.output_count());
@@ -228,7 +219,26 @@ void FlowMap::Impl::check(std::span<const double> start, std::span<const double>
   }
 }
 
-std::optional<std::size_t> FlowMap::Impl::load(Window& at) {
+std::optional<FlowMap::Impl::Leaving> FlowMap::Impl::open(Window& at, bool with_derivatives) {
+  at.turn = nullptr;
+  const auto is_of_attitude = [&](const Leaving& leaving) {
+    return carried[leaving.state].wraps || (attitude && attitude->turns(static_cast<int>(leaving.state)));
+  };
+  std::optional<Leaving> first = load(at, with_derivatives);
+  if (!first) return std::nullopt;
+  for (const HalfTurn& turn : turns) {
+    at.turn = &turn;
+    const std::optional<Leaving> leaving = load(at, with_derivatives);
+    if (!leaving) return std::nullopt;
+    if (is_of_attitude(*first) && !is_of_attitude(*leaving)) first = leaving;
+  }
+  return first;
+}
+
+std::optional<FlowMap::Impl::Leaving> FlowMap::Impl::load(Window& at, bool with_derivatives) {
+  at.turned = at.turn != nullptr ? at.turn->turned(at.start) : at.start;
+  at.reduced =
+      attitude ? attitude->reduced(at.turned, with_derivatives ? &at.reduced_by_start : nullptr) : at.turned;
   for (std::size_t i = 0; i < carried.size(); ++i) {
     const Carried& state = carried[i];
     double value = at.reduced[static_cast<Eigen::Index>(i)];
@@ -236,12 +246,13 @@ std::optional<std::size_t> FlowMap::Impl::load(Window& at) {
       at.shift[i] = state.held ? 0.0 : value - state.origin;
       continue;
     }
-    at.shift[i] = state.wraps ? kTurn * std::floor((value - state.lower) / kTurn) : 0.0;
+    // Half turns and full ones leave an angle at the border by its last digits.
+    const double slack = state.wraps ? 1e-9 * kTurn : 0.0;
+    const bool is_inside = value >= state.lower - slack && value <= state.upper + slack;
+    at.shift[i] = state.wraps && !is_inside ? kTurn * std::floor((value - state.lower + slack) / kTurn) : 0.0;
     value -= at.shift[i];
-    // Rounding of the wrap may step over the border by its last digits.
-    if (state.wraps) value = std::clamp(value, state.lower, state.upper);
-    if (!(value >= state.lower && value <= state.upper)) return i;
-    point[static_cast<std::size_t>(*state.coordinate)] = value;
+    if (!(value >= state.lower - slack && value <= state.upper + slack)) return Leaving{i, value, at.turn};
+    point[static_cast<std::size_t>(*state.coordinate)] = std::clamp(value, state.lower, state.upper);
   }
   return std::nullopt;
 }
@@ -274,31 +285,43 @@ void FlowMap::Impl::answer(double t, const Window& at, Eigen::VectorXd& x, Eigen
 void FlowMap::Impl::answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
                                 Eigen::MatrixXd* by_parameters) {
   answer(t, at, x, by_start, by_parameters);
-  if (!attitude) return;
-  if (by_start == nullptr) {
-    x = attitude->restored(x, at.start, nullptr, nullptr);
-    return;
+  if (attitude) {
+    const bool with_slopes = by_start != nullptr;
+    x = attitude->restored(x, at.turned, with_slopes ? &by_reduced : nullptr,
+                           with_slopes ? &by_heading : nullptr);
+    if (with_slopes) {
+      *by_start = by_reduced * *by_start * at.reduced_by_start + by_heading;
+      *by_parameters = by_reduced * *by_parameters;
+    }
   }
-  x = attitude->restored(x, at.start, &by_reduced, &by_heading);
-  *by_start = by_reduced * *by_start * at.reduced_by_start + by_heading;
-  *by_parameters = by_reduced * *by_parameters;
+  if (at.turn == nullptr) return;
+  x = at.turn->turned_back(x);
+  if (by_start == nullptr) return;
+  *by_start = at.turn->linear.transpose() * *by_start * at.turn->linear;
+  *by_parameters = at.turn->linear.transpose() * *by_parameters;
 }
 
-std::string FlowMap::Impl::left_box(double t, std::size_t state, double value) const {
-  const bool is_reduced = attitude && attitude->turns(static_cast<int>(state));
-  return fmt::format("the flow map left the box at t = {:.6g}: {} = {:.6g}{}{} is outside [{}, {}]", t,
-                     states[state], value, unit_suffix(units[state]),
+std::string FlowMap::Impl::left_box(double t, const Leaving& leaving) const {
+  const Carried& state = carried[leaving.state];
+  const bool is_reduced = attitude && attitude->turns(static_cast<int>(leaving.state));
+  return fmt::format("the flow map left the box at t = {:.6g}: {} = {:.6g}{}{} is outside [{}, {}]{}", t,
+                     states[leaving.state], leaving.value, unit_suffix(units[leaving.state]),
                      !is_reduced                  ? ""
                      : attitude->is_without_yaw() ? ", without yaw,"
                                                   : ", with qw made one,",
-                     carried[state].lower, carried[state].upper);
+                     state.lower, state.upper,
+                     leaving.turn != nullptr ? fmt::format(" after a half turn {}", leaving.turn->name)
+                     : turns.empty()         ? ""
+                                             : ", and a half turn of the body does not bring it back");
 }
 
 void FlowMap::Impl::run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
                         FlowMapResult& result) {
   const Eigen::Index n = start.size();
   const auto m = static_cast<Eigen::Index>(parameters.size());
-  Window at{start, start, {}, std::vector<double>(states.size())};
+  Window at;
+  at.start = start;
+  at.shift.resize(states.size());
   Eigen::VectorXd end(n);
   Eigen::MatrixXd by_start(n, n), by_parameters(n, m);
   // d(x at the start of the window)/d(start, parameters)
@@ -314,12 +337,10 @@ void FlowMap::Impl::run(const Eigen::VectorXd& start, std::span<const double> ti
   std::size_t next = 0;
   for (long k = 0; next < times.size(); ++k) {
     const double begin = static_cast<double>(k) * window;
-    at.reduced =
-        attitude ? attitude->reduced(at.start, with_derivatives ? &at.reduced_by_start : nullptr) : at.start;
-    if (const std::optional<std::size_t> out = load(at)) {
+    if (const std::optional<Leaving> leaving = open(at, with_derivatives)) {
       result.status = FlowMapStatus::left_box;
-      result.left = states[*out];
-      result.message = left_box(begin, *out, at.reduced[static_cast<Eigen::Index>(*out)]);
+      result.left = states[leaving->state];
+      result.message = left_box(begin, *leaving);
       return;
     }
     // The end of the last window serves the times at its border: rounding must not open another one.

@@ -18,7 +18,12 @@
 ///
 /// Needed: a model that is autonomous, and for every state s either an axis "s(0)" beside the output s, or
 /// the symmetry "translation of s": its displacement over a window does not depend on where it starts. Angles
-/// (states in which the model is periodic with a full turn) are wrapped where their axis is a full turn wide.
+/// (states in which the model is periodic with a full turn) are wrapped.
+///
+/// A second chart: where a window begins outside the box, a half turn of the body that its motion does not notice
+/// (motion_symmetry.h, found in the equations) may bring it back; the window is answered there, and its end turned
+/// back. So half a turn of the angle of a plate is enough, and tilts up to a right angle carry a body of such a
+/// symmetry through upside down.
 ///
 /// Of an attitude two numbers are enough where the model has the symmetry "rotation about z": "qx(0)" and
 /// "qy(0)" are axes, qw(0) = 1 and qz(0) = 0 are fixed. A window starts at the tilt alone

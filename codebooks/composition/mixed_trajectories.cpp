@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/composition/shared_queries.h"
+#include "samara/models/trajectories/derived_outputs.h"
 
 namespace samara::codebooks {
 
@@ -184,6 +185,10 @@ class MixedTrajectories final : public models::TrajectoryFamily {
         queries_(book) {
     check_held(book, info_);
     info_.source = fmt::format("codebook and {}", info_.source);
+    if (equations() == nullptr) return;
+    // What is derived follows from the states, whoever gives them.
+    for (const models::OutputInfo& derived : equations()->model().info().outputs)
+      std::erase_if(info_.outputs, [&](const auto& output) { return output.name == derived.name; });
   }
 
   const models::FamilyInfo& info() const override { return info_; }
@@ -222,7 +227,7 @@ class MixedTrajectories final : public models::TrajectoryFamily {
 
 std::unique_ptr<models::TrajectoryFamily> mixed_trajectories(
     const Codebook& book, std::unique_ptr<models::TrajectoryFamily> direct) {
-  return std::make_unique<MixedTrajectories>(book, std::move(direct));
+  return models::with_derived_outputs(std::make_unique<MixedTrajectories>(book, std::move(direct)));
 }
 
 }  // namespace samara::codebooks

@@ -13,7 +13,8 @@ namespace samara::codebooks {
 /// directions in which the motion of the model does not depend on the place, also if the codebook holds them.
 ///
 /// Where both answer, they differ by the codebook's error. A fit whose steps cross the border of its box
-/// may stall there, if that error is not small beside the noise.
+/// may stall there, if that error is not small beside the noise. What the model derives from its states is
+/// derived from the mixed ones; it asks for all of them.
 /// @param book must outlive the result
 /// @throws ArgumentError if the codebook is of another model, has a coordinate that `direct` has not, or
 ///   holds one that is free in `direct` or has another value there; from at(), for an output that the codebook

@@ -98,8 +98,8 @@ Eigen::VectorXd sum_of(const pgd::SeparatedTensor& tensor) {
   return tensor.factors[0] * tensor.weights;
 }
 
-/// A u = b, without time: nodes x 1.
-Eigen::MatrixXd steady_solution(const ParametricProblem& problem) {
+/// A u = b, without time.
+Eigen::VectorXd steady_solution(const ParametricProblem& problem) {
   const Axis& space = problem.axes().front();
   SparseMatrix matrix(space.size(), space.size());
   for (const auto& term : problem.terms().terms) matrix += matrix_of(term.front(), 1.0);
@@ -126,9 +126,9 @@ struct LoadInTime {
   }
 };
 
-/// M v' + K v = g - M l' - K l for what the lift l leaves of the solution: nodes x times.
-Eigen::MatrixXd transient_solution(const ParametricProblem& problem, const std::vector<double>& times,
-                                   const models::LinearIntegrationOptions& options) {
+/// M v' + K v = g - M l' - K l for what the lift l leaves of the solution, at one time after the other.
+void transient_solution(const ParametricProblem& problem, const std::vector<double>& times,
+                        const models::LinearIntegrationOptions& options, const FieldReference::Take& take) {
   const std::size_t t = place_of(problem, AxisRole::time), s = place_of(problem, AxisRole::space);
   const Axis &time = problem.axes()[t], &space = problem.axes()[s];
   SparseMatrix mass(space.size(), space.size()), stiffness = mass;
@@ -155,14 +155,18 @@ Eigen::MatrixXd transient_solution(const ParametricProblem& problem, const std::
   };
   // The solution is known at the beginning of the axis, wherever the times begin.
   std::vector<double> from_start = times;
-  const bool is_later = times.front() > time.lower();
-  if (is_later) from_start.insert(from_start.begin(), time.lower());
+  const std::size_t later = times.front() > time.lower() ? 1 : 0;
+  if (later > 0) from_start.insert(from_start.begin(), time.lower());
   const Eigen::VectorXd start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknown.size()));
-  const Eigen::MatrixXd rest = models::integrate_linear(system, start, from_start, options);
-  Eigen::MatrixXd whole = lift.factors[s] * lift.weights.asDiagonal() *
-                          (interpolation(time, times) * lift.factors[t]).transpose();
-  whole(unknown, Eigen::all) += rest.rightCols(whole.cols());
-  return whole;
+  const LoadInTime whole_lift{lift.factors[s], lift.factors[t] * lift.weights.asDiagonal()};
+  pgd::InterpolationStencil at_time = time.make_stencil();
+  models::integrate_linear(system, start, from_start, options, [&](std::size_t i, const auto& rest) {
+    if (i < later) return;
+    time.interpolate(from_start[i], at_time, false);
+    Eigen::VectorXd whole = whole_lift.at(at_time.first, at_time.value);
+    whole(unknown) += rest;
+    take(i - later, whole);
+  });
 }
 
 void check_time(const ParametricProblem& problem) {
@@ -217,8 +221,8 @@ class DirectSolver {
 
   bool has_time() const { return has_time_; }
 
-  Eigen::MatrixXd operator()(std::span<const double> q, const std::vector<double>& times,
-                             const Eigen::VectorXd& places) const {
+  void operator()(std::span<const double> q, const std::vector<double>& times, const Eigen::VectorXd& places,
+                  const FieldReference::Take& take) const {
     const ParametricProblem problem = at(q);
     if (has_time_) {
       const Axis& time = problem.axes()[place_of(problem, AxisRole::time)];
@@ -229,10 +233,14 @@ class DirectSolver {
       }
     }
     const Axis& space = problem.axes()[place_of(problem, AxisRole::space)];
-    const Eigen::MatrixXd nodal =
-        has_time_ ? transient_solution(problem, times, options_) : steady_solution(problem);
-    return (interpolation(space, {places.data(), static_cast<std::size_t>(places.size())}) * nodal)
-        .transpose();
+    const SparseMatrix between_nodes =
+        interpolation(space, {places.data(), static_cast<std::size_t>(places.size())});
+    const auto take_nodal = [&](std::size_t time, const auto& nodal) {
+      const Eigen::VectorXd values = between_nodes * nodal;
+      take(time, values);
+    };
+    if (has_time_) return transient_solution(problem, times, options_, take_nodal);
+    take_nodal(0, steady_solution(problem));
   }
 
  private:
@@ -255,8 +263,18 @@ FieldReference direct_reference(const pgd::ParametricProblem& problem, double sc
   require_positive(tolerance, "tolerance", "direct_reference");
   const auto solver = std::make_shared<const DirectSolver>(problem, scale, tolerance);
   FieldReference reference;
+  reference.time_by_time = [solver](std::span<const double> q, const std::vector<double>& times,
+                                    const Eigen::VectorXd& places,
+                                    const FieldReference::Take& take) { (*solver)(q, times, places, take); };
   reference.values = [solver](std::span<const double> q, const std::vector<double>& times,
-                              const Eigen::VectorXd& places) { return (*solver)(q, times, places); };
+                              const Eigen::VectorXd& places) {
+    const auto rows = static_cast<Eigen::Index>(std::max<std::size_t>(1, times.size()));
+    Eigen::MatrixXd all(rows, places.size());
+    (*solver)(q, times, places, [&](std::size_t time, const auto& values) {
+      all.row(static_cast<Eigen::Index>(time)) = values.transpose();
+    });
+    return all;
+  };
   reference.name = solver->has_time() ? "CVODE (backward differentiation) on the nodes of space; it sees "
                                         "neither their error nor that of data "
                                         "between nodes of time and parameters"

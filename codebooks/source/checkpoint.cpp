@@ -1,138 +1,139 @@
 #include "samara/codebooks/source/checkpoint.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <optional>
+#include <cstring>
+#include <span>
+#include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "samara/base/version.h"
-#include "samara/codebooks/file/piece_format.h"
+#include "samara/codebooks/source/list_edits.h"
 
 namespace samara::codebooks {
 
 namespace {
-constexpr const char* kFormat = "samara-checkpoint";
-constexpr std::int64_t kVersion = 4;
+
+constexpr std::string_view kFormat = "samara-checkpoint";
+constexpr int kVersion = 5;
 
 /// Checkpoints go on to the last bit, which only the program that wrote them does.
-std::string generator() {
-  return fmt::format("samara {}", version());
+std::string format_record() {
+  return fmt::format("{}\n{}\nsamara {}", kFormat, kVersion, version());
 }
 
-void check_format(const io::Hdf5Reader& file) {
-  if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != kFormat) {
-    throw file.error("/", "attribute format is not \"samara-checkpoint\": this is no checkpoint");
+/// Kinds of records, by their first letter.
+constexpr char kPlan = 'p', kMarch = 'm', kCalls = 'c';
+
+class RecordWriter {
+ public:
+  explicit RecordWriter(char kind) : bytes_(1, kind) {}
+
+  void add(std::uint64_t number) { bytes_.append(reinterpret_cast<const char*>(&number), sizeof number); }
+  void add(double number) { bytes_.append(reinterpret_cast<const char*>(&number), sizeof number); }
+  void add(std::span<const double> numbers) {
+    add(std::uint64_t{numbers.size()});
+    bytes_.append(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes());
   }
-  if (!file.has_attribute("/", "format_version") ||
-      file.integer_attribute("/", "format_version") != kVersion ||
-      file.text_attribute("/", "generator") != generator()) {
-    throw file.error("/",
-                     fmt::format("the checkpoint was not written by {}, format {}", generator(), kVersion));
-  }
-}
+  const std::string& bytes() const { return bytes_; }
 
-void check_belongs(const io::Hdf5Reader& file, const std::string& plan) {
-  check_format(file);
-  if (file.texts("/plan") == std::vector<std::string>{plan}) return;
-  throw file.error("/plan", "the checkpoint belongs to another plan");
-}
-
-/// Calls as the file holds them: a row per call.
-struct CallTable {
-  Eigen::VectorXd times;
-  Eigen::MatrixXd points, values;
-  double seconds = 0.0;
+ private:
+  std::string bytes_;
 };
 
-CallSheet sheet_of(const CallTable& table) {
-  const Eigen::MatrixXd points = table.points.transpose(), values = table.values.transpose();
-  return {{table.times.begin(), table.times.end()},
-          {points.data(), points.data() + points.size()},
-          {values.data(), values.data() + values.size()},
-          table.seconds};
-}
+class RecordReader {
+ public:
+  explicit RecordReader(std::string_view bytes) : rest_(bytes.substr(1)) {}
 
-CallTable table_of(const CallSheet& sheet, std::size_t coordinates) {
-  const auto calls = static_cast<Eigen::Index>(sheet.points.size() / coordinates);
-  const auto times = static_cast<Eigen::Index>(sheet.times.size());
-  const auto rows = static_cast<Eigen::Index>(sheet.values.size()) / std::max<Eigen::Index>(1, calls);
-  using Columns = Eigen::Map<const Eigen::MatrixXd>;
-  return {Eigen::Map<const Eigen::VectorXd>(sheet.times.data(), times),
-          Columns(sheet.points.data(), static_cast<Eigen::Index>(coordinates), calls).transpose(),
-          Columns(sheet.values.data(), rows, calls).transpose(), sheet.seconds};
-}
-
-std::vector<CallTable> read_calls(const io::Hdf5Reader& file) {
-  std::vector<CallTable> tables;
-  if (!file.has("/calls")) return tables;
-  const int count = numbered_children(file, "/calls");
-  for (int s = 0; s < count; ++s) {
-    const std::string path = fmt::format("/calls/{}", s);
-    CallTable table;
-    if (file.has(path + "/times")) table.times = file.vector(path + "/times");
-    table.points = file.matrix(path + "/points");
-    if (file.has_attribute(path, "seconds")) table.seconds = file.number_attribute(path, "seconds");
-    table.values = file.matrix(path + "/values", {.rows = table.points.rows()});
-    tables.push_back(std::move(table));
+  bool is_at_end() const { return rest_.empty(); }
+  std::uint64_t whole() { return take<std::uint64_t>(); }
+  double number() { return take<double>(); }
+  std::vector<double> numbers() {
+    const std::uint64_t count = whole();
+    if (count > rest_.size() / sizeof(double)) throw std::out_of_range("a record ends too early");
+    std::vector<double> list(count);
+    if (count > 0) std::memcpy(list.data(), rest_.data(), count * sizeof(double));
+    rest_.remove_prefix(count * sizeof(double));
+    return list;
   }
-  return tables;
+
+ private:
+  template <class Number>
+  Number take() {
+    if (rest_.size() < sizeof(Number)) throw std::out_of_range("a record ends too early");
+    Number number;
+    std::memcpy(&number, rest_.data(), sizeof number);
+    rest_.remove_prefix(sizeof number);
+    return number;
+  }
+  std::string_view rest_;
+};
+
+std::string march_record(const std::vector<double>& before, const std::vector<double>& now) {
+  RecordWriter writer(kMarch);
+  for (const ListEdit& edit : edits_between(before, now)) {
+    writer.add(std::uint64_t{edit.from});
+    writer.add(std::uint64_t{edit.count});
+    writer.add(edit.then);
+  }
+  return writer.bytes();
 }
 
-Eigen::VectorXd read_march(const io::Hdf5Reader& file) {
-  return file.has("/march") ? file.vector("/march") : Eigen::VectorXd();
+std::vector<ListEdit> edits_of(std::string_view record) {
+  RecordReader reader(record);
+  std::vector<ListEdit> edits;
+  while (!reader.is_at_end()) {
+    ListEdit edit;
+    edit.from = reader.whole();
+    edit.count = reader.whole();
+    edit.then = reader.numbers();
+    edits.push_back(std::move(edit));
+  }
+  return edits;
 }
 
-/// What else is in the file. One that is broken or of another plan gives nothing: it is replaced.
-template <class Part, class Read>
-Part kept_part(const std::filesystem::path& path, const std::string& plan, const Read& read) {
-  if (!is_checkpoint(path)) return {};
-  try {
-    const io::Hdf5Reader file(path);
-    check_belongs(file, plan);
-    return read(file);
-  } catch (const InputError&) {
-    return {};
+/// What is new of a sheet, of which so many points and values were told.
+void add_sheet(RecordWriter& writer, std::size_t place, const CallSheet& sheet, std::size_t points,
+               std::size_t values) {
+  writer.add(std::uint64_t{place});
+  writer.add(sheet.times);
+  writer.add(sheet.seconds);
+  writer.add(std::span(sheet.points).subspan(points));
+  writer.add(std::span(sheet.values).subspan(values));
+}
+
+void take_sheets(std::string_view record, std::vector<CallSheet>& calls) {
+  RecordReader reader(record);
+  while (!reader.is_at_end()) {
+    const std::uint64_t place = reader.whole();
+    if (place > calls.size()) throw std::out_of_range("a record is of calls that were not told");
+    if (place == calls.size()) calls.emplace_back();
+    CallSheet& sheet = calls[place];
+    sheet.times = reader.numbers();
+    sheet.seconds = reader.number();
+    for (std::vector<double>* list : {&sheet.points, &sheet.values}) {
+      const std::vector<double> more = reader.numbers();
+      list->insert(list->end(), more.begin(), more.end());
+    }
   }
 }
 
-/// What is to be taken up.
-template <class Read>
-auto taken_up(const std::filesystem::path& path, const std::string& plan, const Read& read) {
-  try {
-    const io::Hdf5Reader file(path);
-    check_belongs(file, plan);
-    return read(file);
-  } catch (const InputError& error) {
-    std::string reason = error.what();
-    const std::string name = path.string() + ": ";
-    if (reason.starts_with(name)) reason.erase(0, name.size());
-    throw bad_checkpoint(path, reason);
-  }
+/// Whether the list begins with the other.
+bool goes_on(const std::vector<double>& list, const std::vector<double>& before) {
+  return list.size() >= before.size() &&
+         std::memcmp(list.data(), before.data(), before.size() * sizeof(double)) == 0;
 }
 
-void write_checkpoint(const std::filesystem::path& path, const std::string& plan,
-                      const Eigen::VectorXd& march, const std::vector<CallTable>& calls) {
-  io::Hdf5Writer file(path);
-  file.write_text_attribute("/", "format", kFormat);
-  file.write_integer_attribute("/", "format_version", kVersion);
-  file.write_text_attribute("/", "generator", generator());
-  file.write_texts("/plan", {plan});
-  if (march.size() > 0) file.write_vector("/march", march);
-  int s = 0;
-  for (const CallTable& table : calls) {
-    if (table.points.size() == 0) continue;
-    const std::string group = fmt::format("/calls/{}", s++);
-    if (table.times.size() > 0) file.write_vector(group + "/times", table.times);
-    file.write_matrix(group + "/points", table.points);
-    file.write_matrix(group + "/values", table.values);
-    file.write_number_attribute(group, "seconds", table.seconds);
-  }
-  file.commit();
+bool goes_on(const std::vector<CallSheet>& calls, const std::vector<CallSheet>& before) {
+  return calls.size() >= before.size() &&
+         std::ranges::equal(
+             before, std::span(calls).first(before.size()), [](const CallSheet& a, const CallSheet& b) {
+               return a.times == b.times && goes_on(b.points, a.points) && goes_on(b.values, a.values);
+             });
 }
 
 }  // namespace
@@ -146,34 +147,126 @@ InputError bad_checkpoint(const std::filesystem::path& path, const std::string& 
   return InputError(path.string(), fmt::format("{}; --fresh begins anew, and removes it", reason));
 }
 
-void save_march(const std::filesystem::path& path, const std::string& plan,
-                const std::vector<double>& state) {
-  const auto size = static_cast<Eigen::Index>(state.size());
-  write_checkpoint(path, plan, Eigen::Map<const Eigen::VectorXd>(state.data(), size),
-                   kept_part<std::vector<CallTable>>(path, plan, read_calls));
+Checkpoint::Checkpoint(std::filesystem::path path, std::string plan)
+    : path_(std::move(path)), plan_(std::move(plan)) {}
+
+std::vector<double> Checkpoint::march() const {
+  std::optional<Journal> journal;
+  return read(journal).march;
 }
 
-void save_calls(const std::filesystem::path& path, const std::string& plan,
-                const std::vector<CallSheet>& calls, std::size_t coordinates) {
-  const auto march = kept_part<Eigen::VectorXd>(path, plan, read_march);
-  std::vector<CallTable> tables;
-  for (const CallSheet& sheet : calls) tables.push_back(table_of(sheet, coordinates));
-  write_checkpoint(path, plan, march, tables);
+std::vector<CallSheet> Checkpoint::calls() const {
+  std::optional<Journal> journal;
+  return read(journal).calls;
 }
 
-std::vector<double> load_march(const std::filesystem::path& path, const std::string& plan) {
-  return taken_up(path, plan, [](const io::Hdf5Reader& file) -> std::vector<double> {
-    const Eigen::VectorXd state = read_march(file);
-    return {state.begin(), state.end()};
-  });
+Checkpoint::Contents Checkpoint::read(std::optional<Journal>& journal) const {
+  std::vector<std::string> records;
+  try {
+    journal.emplace(path_, &records);
+  } catch (const InputError&) {
+    throw bad_checkpoint(path_, "this is no checkpoint");
+  }
+  if (records.empty() || !records[0].starts_with(kFormat))
+    throw bad_checkpoint(path_, "this is no checkpoint");
+  if (records[0] != format_record()) {
+    throw bad_checkpoint(
+        path_, fmt::format("the checkpoint was not written by samara {}, format {}", version(), kVersion));
+  }
+  if (records.size() < 2 || records[1] != kPlan + plan_)
+    throw bad_checkpoint(path_, "the checkpoint belongs to another plan");
+  EditedList march;
+  Contents contents;
+  try {
+    for (const std::string& record : std::span(records).subspan(2)) {
+      if (record[0] == kMarch) march.apply(edits_of(record));
+      if (record[0] == kCalls) take_sheets(record, contents.calls);
+    }
+  } catch (const std::out_of_range& error) {
+    throw bad_checkpoint(path_, error.what());
+  }
+  contents.march = march.numbers();
+  return contents;
 }
 
-std::vector<CallSheet> load_calls(const std::filesystem::path& path, const std::string& plan) {
-  return taken_up(path, plan, [](const io::Hdf5Reader& file) {
-    std::vector<CallSheet> sheets;
-    for (const CallTable& table : read_calls(file)) sheets.push_back(sheet_of(table));
-    return sheets;
-  });
+/// Reads the file anew where another has written there, or nobody has yet. @returns the calls that were found then
+std::vector<CallSheet> Checkpoint::follow_file() {
+  if (journal_ && journal_->is_as_left()) return {};
+  Contents found;
+  journal_.reset();
+  if (is_checkpoint(path_)) {
+    try {
+      found = read(journal_);
+    } catch (const InputError&) {
+      journal_.reset();
+    }
+  }
+  march_ = std::move(found.march);
+  hold(found.calls);
+  return std::move(found.calls);
+}
+
+void Checkpoint::hold(const std::vector<CallSheet>& calls) {
+  held_.clear();
+  for (const CallSheet& sheet : calls) held_.push_back({sheet.points.size(), sheet.values.size()});
+}
+
+void Checkpoint::save_march(const std::vector<double>& state) {
+  std::vector<CallSheet> calls = follow_file();
+  const std::string record = journal_ ? march_record(march_, state) : std::string();
+  if (journal_ && has_room_for(record)) {
+    append(record);
+    march_ = state;
+    return;
+  }
+  if (journal_) calls = this->calls();
+  march_ = state;
+  write_anew(calls);
+}
+
+void Checkpoint::save_calls(const std::vector<CallSheet>& calls) {
+  if (!goes_on(calls, follow_file())) journal_.reset();
+  RecordWriter writer(kCalls);
+  if (journal_) {
+    held_.resize(std::max(held_.size(), calls.size()));
+    for (std::size_t place = 0; place < calls.size(); ++place)
+      add_sheet(writer, place, calls[place], held_[place].points, held_[place].values);
+    if (!has_room_for(writer.bytes())) journal_.reset();
+  }
+  if (!journal_) return write_anew(calls);
+  append(writer.bytes());
+  hold(calls);
+}
+
+/// Whether the file stays at some times of what it holds.
+bool Checkpoint::has_room_for(const std::string& record) const {
+  constexpr std::uint64_t kSlack = std::uint64_t{1} << 16;
+  constexpr std::uint64_t kMostTimes = 4;
+  std::uint64_t numbers = march_.size();
+  for (const HeldSheet& sheet : held_) numbers += sheet.points + sheet.values;
+  return journal_->size() + record.size() <= kSlack + kMostTimes * (plan_.size() + sizeof(double) * numbers);
+}
+
+void Checkpoint::append(const std::string& record) {
+  try {
+    journal_->append(record);
+  } catch (const ArgumentError&) {
+    journal_.reset();  // what it holds is read again, when there may be room
+    throw;
+  }
+}
+
+void Checkpoint::write_anew(const std::vector<CallSheet>& calls) {
+  std::vector<std::string> records = {format_record(), kPlan + plan_};
+  if (!march_.empty()) records.push_back(march_record({}, march_));
+  if (!calls.empty()) {
+    RecordWriter writer(kCalls);
+    for (std::size_t place = 0; place < calls.size(); ++place) add_sheet(writer, place, calls[place], 0, 0);
+    records.push_back(writer.bytes());
+  }
+  journal_.reset();
+  journal_.emplace(path_, records);
+  hold(calls);
 }
 
 }  // namespace samara::codebooks

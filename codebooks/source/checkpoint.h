@@ -1,17 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/source/journal.h"
 
 namespace samara::codebooks {
 
-/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of a march, the calls
-/// of sampling, or both (of a plan of kind "auto"). Written atomically, like save().
-
-/// Whether there is one; a path that the system refuses has none.
+/// Whether there is a checkpoint; a path that the system refuses has none.
 bool is_checkpoint(const std::filesystem::path& path);
 
 /// Why a checkpoint cannot be taken up, and what the user can do about it.
@@ -25,18 +25,53 @@ struct CallSheet {
   double seconds = 0.0;        ///< that these calls have taken
 };
 
-/// Writes the state of a march in slabs (pgd::SlabOptions::checkpoint); calls that are in the file stay.
-void save_march(const std::filesystem::path& path, const std::string& plan, const std::vector<double>& state);
+/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of a march, the calls
+/// of sampling, or both (of a plan of kind "auto").
+///
+/// It is a journal (journal.h) that names program, version and plan, and then says what has changed: a state is
+/// the one before, edited; calls are added. So it costs what is new. When it has grown to some times of what it
+/// holds it is written anew. A kill while it is written costs the last change at most.
+class Checkpoint {
+ public:
+  /// Nothing is read or written yet. Several may be of one file.
+  Checkpoint(std::filesystem::path path, std::string plan);
 
-/// Writes the calls of sampling; a state that is in the file stays.
-void save_calls(const std::filesystem::path& path, const std::string& plan,
-                const std::vector<CallSheet>& calls, std::size_t coordinates);
+  /// The state of the march, empty if the file holds none.
+  /// @throws InputError if the file is not there, broken or of another plan or version
+  std::vector<double> march() const;
 
-/// The state of the march, empty if the file holds none.
-/// @throws InputError if the file is broken or belongs to another plan.
-std::vector<double> load_march(const std::filesystem::path& path, const std::string& plan);
+  /// The calls, none if the file holds none. @throws InputError as march()
+  std::vector<CallSheet> calls() const;
 
-/// The calls, none if the file holds none. @throws InputError as load_march()
-std::vector<CallSheet> load_calls(const std::filesystem::path& path, const std::string& plan);
+  /// A file that is broken or of another plan is replaced; of this plan, what it holds besides stays.
+  /// @throws ArgumentError if it cannot be written
+  void save_march(const std::vector<double>& state);
+
+  /// @param calls those that this object has saved, and more; others that are in the file are replaced
+  /// @throws ArgumentError as save_march()
+  void save_calls(const std::vector<CallSheet>& calls);
+
+ private:
+  struct Contents {
+    std::vector<double> march;
+    std::vector<CallSheet> calls;
+  };
+  /// How much of a sheet the file holds.
+  struct HeldSheet {
+    std::size_t points = 0, values = 0;
+  };
+  Contents read(std::optional<Journal>& journal) const;
+  std::vector<CallSheet> follow_file();
+  void hold(const std::vector<CallSheet>& calls);
+  bool has_room_for(const std::string& record) const;
+  void append(const std::string& record);
+  void write_anew(const std::vector<CallSheet>& calls);
+
+  std::filesystem::path path_;
+  std::string plan_;
+  std::optional<Journal> journal_;  ///< empty: the file is to be replaced
+  std::vector<double> march_;       ///< in the file
+  std::vector<HeldSheet> held_;     ///< calls in the file
+};
 
 }  // namespace samara::codebooks

@@ -195,15 +195,16 @@ ExplorerPage explorer_page(const ExplorerContent& content) {
 
   const codebooks::Codebook& first = content.books.front().book;
   const std::string name = first.title().empty() ? first.model().title : first.title();
-  page.html = html_text(
-      {.title = name.empty() ? first.model().name : name,
-       .summary = fmt::format("A codebook of the model {}, to explore.", first.model().name),
-       .markup = page::kExplorerMarkup,
-       .data = {{"explored", data.dump(-1, ' ', false, Json::error_handler_t::replace)},
-                {"numbers", base64(numbers.values()), false}},
-       .styles = {page::kExplorerStyle},
-       .scripts = {page::kExplorerEvaluate, page::kExplorerBody, page::kExplorerGlb, page::kExplorerState,
-                   page::kExplorerCurves, page::kExplorerControls, page::kExplorerPage}});
+  page.html =
+      html_text({.title = name.empty() ? first.model().name : name,
+                 .summary = fmt::format("A codebook of the model {}, to explore.", first.model().name),
+                 .markup = page::kExplorerMarkup,
+                 .data = {{"explored", data.dump(-1, ' ', false, Json::error_handler_t::replace)},
+                          {"numbers", base64(numbers.values()), false}},
+                 .styles = {page::kExplorerStyle},
+                 .scripts = {page::kExplorerEvaluate, page::kExplorerBody, page::kExplorerGlb,
+                             page::kExplorerState, page::kExplorerCurves, page::kExplorerControls,
+                             page::kExplorerView, page::kExplorerPage}});
   return page;
 }
 

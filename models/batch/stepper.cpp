@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/base/smoothstep.h"
 #include "samara/models/batch/batch_tasks.h"
 #include "samara/models/batch/lanes.h"
 
@@ -14,8 +15,11 @@ namespace samara::models {
 
 namespace {
 
-/// Indices of the steered parameters among those of the model.
-std::vector<int> steered_indices(const ParametricModel& model, const std::vector<std::string>& names) {
+/// Indices of the steered parameters, then of the driven ones, among those of the model.
+std::vector<int> steered_indices(const ParametricModel& model, const std::vector<std::string>& steered,
+                                 const std::vector<std::string>& driven) {
+  std::vector<std::string> names = steered;
+  names.insert(names.end(), driven.begin(), driven.end());
   std::vector<int> indices;
   for (const std::string& name : names) {
     const auto found = std::ranges::find(model.free(), name, &FreeCoordinate::name);
@@ -31,19 +35,14 @@ std::vector<int> steered_indices(const ParametricModel& model, const std::vector
   return indices;
 }
 
-/// How far a parameter is on its way, of [0, 1].
-double smoothstep(double s) {
-  const double inside = std::clamp(s, 0.0, 1.0);
-  return inside * inside * (3.0 - 2.0 * inside);
-}
-
 }  // namespace
 
 struct Stepper::Impl {
   Impl(const ParametricModel& parametric, const std::vector<std::string>& names, Eigen::Index count,
        const Options& options)
       : model(parametric),
-        steered(steered_indices(model, names)),
+        steered(steered_indices(model, names, {})),
+        driven(steered_indices(model, names, options.driven)),
         kernel(model.model(), options.tangents ? kernel_directions(model.model()) : 0),
         lane_count(count),
         width((*kernel).width()),
@@ -56,6 +55,7 @@ struct Stepper::Impl {
     for (Eigen::Index first = 0; first < count; first += width) {
       packs.emplace_back(model, *kernel, std::span<const int>());
     }
+    driven.erase(driven.begin(), driven.begin() + std::ssize(steered));
     loaded.assign(packs.size(), 0);
     for (const int index : steered) {
       positions.push_back(static_cast<std::size_t>(
@@ -93,7 +93,7 @@ struct Stepper::Impl {
   /// Number n of a lane's ramp at time t.
   double moved(Eigen::Index lane, std::size_t n, double share) const {
     const std::size_t at = ramp_place(lane) + n;
-    return from[at] + share * (to[at] - from[at]);
+    return gone(from[at], to[at], share);
   }
   double share_at(const Move& move, double t) const {
     return move.moving ? smoothstep((t - move.start) / move.duration) : 1.0;
@@ -147,16 +147,22 @@ struct Stepper::Impl {
     if (defaults_follow) pack_of(lane).complete();
   }
 
-  /// Whether defaults of other parameters depend on the steered ones, by trial at a point.
-  bool defaults_depend(std::span<const double> q) {
-    if (defaults_follow) return true;
+  bool changes(int parameter) const {
+    return std::ranges::count(steered, parameter) > 0 || std::ranges::count(driven, parameter) > 0;
+  }
+
+  /// Whether defaults of other parameters depend on those that change, by trial at a point.
+  bool defaults_depend(std::span<const double> q) const {
     const std::vector<double> here = model.parameters(q);
     for (const double factor : {1.37, 0.61}) {
       std::vector<double> other(q.begin(), q.end());
-      for (const std::size_t k : positions) other[k] = factor * other[k] + 1e-3;
+      for (std::size_t k = 0; k < other.size(); ++k) {
+        const FreeCoordinate& coordinate = model.free()[k];
+        if (!coordinate.is_initial && changes(coordinate.index)) other[k] = factor * other[k] + 1e-3;
+      }
       const std::vector<double> there = model.parameters(other);
       for (std::size_t j = 0; j < here.size(); ++j) {
-        if (std::ranges::count(steered, static_cast<int>(j)) == 0 && here[j] != there[j]) return true;
+        if (!changes(static_cast<int>(j)) && here[j] != there[j]) return true;
       }
     }
     return false;
@@ -227,7 +233,7 @@ struct Stepper::Impl {
   }
 
   ParametricModel model;
-  std::vector<int> steered;            ///< among the parameters of the model
+  std::vector<int> steered, driven;    ///< among the parameters of the model
   std::vector<std::size_t> positions;  ///< the same among the free coordinates
   PassKernel kernel;
   Eigen::Index lane_count, width;
@@ -238,7 +244,7 @@ struct Stepper::Impl {
   std::vector<double> from, to;  ///< of all ramps, see ramp_place()
   std::vector<double> lane_times;
   std::vector<double> resting;  ///< states of lanes that do not run, per slot
-  bool defaults_follow = false;
+  bool is_tried = false, defaults_follow = false;
 };
 
 Stepper::Stepper(const ParametricModel& model, const std::vector<std::string>& steered, Eigen::Index lanes,
@@ -273,7 +279,8 @@ void Stepper::load(Eigen::Index lane, std::span<const double> q) {
   }
   pack.load(run.slot_of(lane), q);
   run.move_of(lane) = {.runs = true};
-  run.defaults_follow = run.defaults_depend(q);
+  if (!run.is_tried) run.defaults_follow = run.defaults_depend(q);
+  run.is_tried = true;
   const std::size_t place = run.ramp_place(lane);
   for (std::size_t j = 0; j < run.steered.size(); ++j) {
     for (std::size_t layer = 0; layer < run.layers; ++layer) {
@@ -303,6 +310,14 @@ void Stepper::ramp(Eigen::Index lane, std::span<const double> target, double dur
 void Stepper::ramp(Eigen::Index lane, std::span<const double> target, double duration,
                    const Eigen::Ref<const Eigen::MatrixXd>& by_directions) {
   impl_->begin_ramp(lane, target, duration, &by_directions);
+}
+
+void Stepper::drive(Eigen::Index lane, std::span<const double> values) {
+  Impl& run = *impl_;
+  Lanes& pack = run.pack_of(lane);
+  for (std::size_t k = 0; k < run.driven.size(); ++k)
+    pack.set_parameter(run.driven[k], run.slot_of(lane), values[k]);
+  if (run.defaults_follow) pack.complete();
 }
 
 void Stepper::set_running(Eigen::Index lane, bool runs) {

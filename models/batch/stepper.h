@@ -22,7 +22,7 @@
 /// over a step at their value in its middle: a step has order 2 while they move, 4 while they rest. Derived
 /// defaults follow what they depend on.
 ///
-/// Nothing is allocated after construction. One object per thread; lanes do not touch each other.
+/// Nothing is allocated once a lane was loaded. One object per thread; lanes do not touch each other.
 namespace samara::models {
 
 class Stepper {
@@ -30,11 +30,13 @@ class Stepper {
   struct Options {
     /// Whether lanes carry tangents; they move at the cost of the kernels with tangents then.
     bool tangents = false;
+    /// Names of other free parameters that are set as they are, without ramps, such as those of the air about a body.
+    std::vector<std::string> driven = {};
   };
 
   /// All lanes rest and run nothing until they are loaded.
   /// @param steered names of free parameters of the model that are going to change
-  /// @throws ArgumentError for a name that is no free parameter or is listed twice, or for no lanes.
+  /// @throws ArgumentError for a name that is no free parameter or is listed twice, among both, or for no lanes.
   Stepper(const ParametricModel& model, const std::vector<std::string>& steered, Eigen::Index lanes,
           const Options& options);
   Stepper(const ParametricModel& model, const std::vector<std::string>& steered, Eigen::Index lanes)
@@ -66,6 +68,9 @@ class Stepper {
   /// @param by_directions d(target)/d(direction), steered x directions()
   void ramp(Eigen::Index lane, std::span<const double> target, double duration,
             const Eigen::Ref<const Eigen::MatrixXd>& by_directions);
+
+  /// The driven parameters, in the order of Options::driven, from now on; without tangents.
+  void drive(Eigen::Index lane, std::span<const double> values);
 
   /// A lane that does not run keeps its state and time.
   void set_running(Eigen::Index lane, bool runs);

@@ -355,6 +355,7 @@ Check check_model(const Model& model, const CheckModelOptions& options) {
     if (options.units) check_dimensions(model, point, random, check.findings);
     check_affinity(model, point, random, check.findings);
     check_forces(model, point, options.tolerance, check.findings);
+    check_passivity(model, point, check.findings);
   }
   remove_repetitions(check.findings);
   for (const Kink& kink : find_kinks(model, {.seed = options.seed})) check.notes.push_back(described(kink));

@@ -20,7 +20,9 @@
 ///  - tries its symmetries "translation of <state>" and "rotation about z";
 ///  - takes two coefficient vectors and their mean: f must be affine in the parameters of `affine_in`;
 ///  - compares the powers of the force terms with the rate of the kinetic energy, where the model has both. A
-///    model whose undisturbed fluid is not steady and uniform returns no kinetic energy.
+///    model whose undisturbed fluid is not steady and uniform returns no kinetic energy;
+///  - holds force terms whose description ends with "no power" to that, and those that end with "takes power" to
+///    giving none.
 ///
 /// Beside the findings it notes kinks of f (kinks.h): they may belong to the law, but cost whoever solves it.
 namespace samara::models {

@@ -138,6 +138,24 @@ void check_forces(const Model& model, const Point& point, double tolerance, Find
   findings.push_back("the powers of the force terms do not sum to the rate of the kinetic energy");
 }
 
+void check_passivity(const Model& model, const Point& point, Findings& findings) {
+  const ModelInfo& info = model.info();
+  std::vector<Wrench> terms(info.force_terms.size());
+  model.forces(point.t, point.x, point.p, terms);
+  const Scales scales = model.scales(point.p);
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const ForceTermInfo& term = info.force_terms[k];
+    const bool is_idle = term.description.ends_with("no power");
+    if (!is_idle && !term.description.ends_with("takes power")) continue;
+    // A product of random states is a few times that of their scales.
+    const double size = terms[k].force.norm() * scales.velocity + terms[k].torque.norm() / scales.time;
+    const double power = terms[k].power;
+    if (power <= kEqualRates * size && (!is_idle || power >= -kEqualRates * size)) continue;
+    findings.push_back("the force term " + quoted(term.name) + " is said to " +
+                       (is_idle ? "do no power" : "take power") + ", and gives " + number_text(power));
+  }
+}
+
 bool check_groups(const ModelInfo& info, Findings& findings) {
   std::vector<int> uses(info.states.size(), 0);
   for (std::size_t k = 0; k < info.groups.size(); ++k) {

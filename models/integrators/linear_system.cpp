@@ -153,6 +153,17 @@ LinearSolverHandle make_linear_solver(Callbacks& callbacks, SUNContext context) 
 
 Eigen::MatrixXd integrate_linear(const LinearSystem& system, const Eigen::VectorXd& start,
                                  std::span<const double> times, const LinearIntegrationOptions& options) {
+  Eigen::MatrixXd states(start.size(), static_cast<Eigen::Index>(times.size()));
+  integrate_linear(system, start, times, options, [&](std::size_t time, const auto& at) {
+    states.col(static_cast<Eigen::Index>(time)) = at;
+  });
+  return states;
+}
+
+void integrate_linear(
+    const LinearSystem& system, const Eigen::VectorXd& start, std::span<const double> times,
+    const LinearIntegrationOptions& options,
+    const std::function<void(std::size_t, const Eigen::Ref<const Eigen::VectorXd>&)>& take) {
   check_linear_system(system, start);
   check_increasing_times(times);
   require_positive(options.relative_tolerance, "relative_tolerance", "integrate_linear");
@@ -184,14 +195,12 @@ Eigen::MatrixXd integrate_linear(const LinearSystem& system, const Eigen::Vector
   must(CVodeSetMaxNumSteps(cvode.get(), options.max_steps), callbacks, times.front());
   must(CVodeSetLinearSolver(cvode.get(), linear.get(), nullptr), callbacks, times.front());
 
-  Eigen::MatrixXd states(start.size(), static_cast<Eigen::Index>(times.size()));
-  states.col(0) = start;
+  take(0, start);
   double reached = times.front();
   for (std::size_t i = 1; i < times.size(); ++i) {
     must(CVode(cvode.get(), times[i], u.get(), &reached, CV_NORMAL), callbacks, reached);
-    states.col(static_cast<Eigen::Index>(i)) = state_of(u.get());
+    take(i, state_of(u.get()));
   }
-  return states;
 }
 
 }  // namespace samara::models

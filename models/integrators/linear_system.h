@@ -32,4 +32,10 @@ struct LinearIntegrationOptions {
 Eigen::MatrixXd integrate_linear(const LinearSystem& system, const Eigen::VectorXd& start,
                                  std::span<const double> times, const LinearIntegrationOptions& options = {});
 
+/// The same state by state, where all of them at once are too many: `take` gets the place of the time and the states
+/// at it, in the order of the times.
+void integrate_linear(const LinearSystem& system, const Eigen::VectorXd& start, std::span<const double> times,
+                      const LinearIntegrationOptions& options,
+                      const std::function<void(std::size_t, const Eigen::Ref<const Eigen::VectorXd>&)>& take);
+
 }  // namespace samara::models

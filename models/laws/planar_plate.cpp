@@ -10,7 +10,7 @@ std::vector<ForceTermInfo> planar_force_terms() {
        .description = "gyroscopic forces and Munk's moment, of the body and its added mass; no power in all"},
       {.name = "translational lift", .description = "circulation by the angle of attack, C_T; no power"},
       {.name = "rotational lift", .description = "circulation by rotation, C_R; no power"},
-      {.name = "drag", .description = "against the velocity; takes power"},
+      {.name = "drag", .description = "against the velocity; takes power where A > |B|"},
       {.name = "dissipation", .description = "torque against the rotation; takes power"},
       {.name = "gravity and buoyancy", .description = "weight less that of the displaced fluid"},
   };

@@ -7,8 +7,8 @@
 #include "samara/base/names.h"
 #include "samara/models/fields/field_model.h"
 
-// The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>(); the plate in gusts
-// stands beside the plate.
+// The models that ship with Samara, one line each: laws/<name>.cpp or wakes/<name>.cpp defines the function <name>();
+// the plate in gusts stands beside the plate.
 #define SAMARA_LAWS(LAW)         \
   LAW(coefficient_body)          \
   LAW(constant_rate)             \
@@ -17,6 +17,7 @@
   LAW(falling_plate_in_gusts)    \
   LAW(falling_plate_linear_drag) \
   LAW(falling_plate_nd)          \
+  LAW(falling_plate_with_wake)   \
   LAW(falling_rectangle)         \
   LAW(immersed_body)             \
   LAW(immersed_body_in_gusts)    \

@@ -11,6 +11,8 @@
 #include "samara/base/require.h"
 #include "samara/models/batch/stepper.h"
 #include "samara/models/bodies/body_pose.h"
+#include "samara/models/stochastic/gust_layout.h"
+#include "samara/motion/bodies/look_ahead.h"
 #include "samara/motion/bodies/steered_model.h"
 
 namespace samara::motion {
@@ -29,25 +31,9 @@ struct Body {
   int past_count = 0;
   std::optional<EventKind> planned;
   Eigen::Index followed = -1;                         ///< the segment whose coefficients it has, or moves to
-  double ramp_start = 0.0;                            ///< s
+  models::AmbientSample air;                          ///< where it is now
   Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< m, how far the air about it has gone
 };
-
-/// Which states of the model are what.
-struct StateIndices {
-  std::vector<int> position;  // x, y, z, or x, y
-  int attitude = 0, velocity = 0;
-};
-
-int index_of_state(const models::ModelInfo& info, const std::string& name) {
-  const auto it = std::ranges::find(info.states, name, &models::StateInfo::name);
-  return static_cast<int>(it - info.states.begin());
-}
-
-double smooth_share(double s) {
-  const double inside = std::clamp(s, 0.0, 1.0);
-  return inside * inside * (3.0 - 2.0 * inside);
-}
 
 void require_finite_numbers(std::span<const double> numbers, const char* what) {
   for (const double number : numbers) {
@@ -64,38 +50,39 @@ struct Bodies::Impl {
         options(given),
         model(steered_model(source.database(), given.wind != nullptr)),
         moving(source.tree().moving_states()),
-        stepper(model, steered_names(model), count),
+        layout(moving.layout()),
+        stepper(model, source.database().coefficient_names, count, {.driven = driven_names(source, model)}),
         states(static_cast<std::size_t>(model.state_count())),
         coefficients(source.database().coefficient_names.size()),
         current(static_cast<std::size_t>(count) * states, 0.0),
         last_place(static_cast<std::size_t>(count) * 3, 0.0),
-        from(static_cast<std::size_t>(count) * coefficients, 0.0),
-        to(from),
         values(static_cast<std::size_t>(model.free_count())),
         relative(states),
-        read(states) {
+        read(states),
+        present(coefficients) {
     const EventFinder empty(moving, source.database().events);
     bodies.reserve(static_cast<std::size_t>(count));
     for (Eigen::Index n = 0; n < count; ++n)
       bodies.emplace_back(empty, given.seed, static_cast<std::uint64_t>(n));
-    events.reserve(static_cast<std::size_t>(count) * 4);
+    room = static_cast<std::size_t>(count) * 4;
+    events.reserve(room);
     const models::ModelInfo& info = model.model().info();
     pose = *models::pose_states_of(info);
     for (const std::string& name : pose.names)
-      pose_indices.push_back(static_cast<std::size_t>(index_of_state(info, name)));
-    for (const char* name : {"x", "y", "z"}) {
-      if (moving.is_planar() && std::string_view(name) == "z") continue;
-      where.position.push_back(index_of_state(info, name));
-    }
-    where.attitude = index_of_state(info, moving.is_planar() ? "theta" : "qw");
-    where.velocity = index_of_state(info, moving.is_planar() ? "vx" : "ux");
+      pose_indices.push_back(static_cast<std::size_t>(
+          std::ranges::find(info.states, name, &models::StateInfo::name) - info.states.begin()));
+    if (given.wind) gusts.emplace(model.model());
     if (options.step == 0.0) options.step = source.database().step;
-    if (options.ramp < 0.0) options.ramp = 0.25 * source.median_duration();
+    if (options.ramp < 0.0) options.ramp = source.ramp();
+    if (options.tries > 0) ahead.emplace(source, options.step, options.ramp, options.tries);
   }
 
-  static std::vector<std::string> steered_names(const models::ParametricModel& model) {
+  /// What of the model's free parameters tells it of the air.
+  static std::vector<std::string> driven_names(const NextPieces& source,
+                                               const models::ParametricModel& model) {
     std::vector<std::string> names;
-    for (const auto& coordinate : model.free()) names.push_back(coordinate.name);
+    for (std::size_t k = source.database().coefficient_names.size(); k < model.free().size(); ++k)
+      names.push_back(model.free()[k].name);
     return names;
   }
 
@@ -104,32 +91,33 @@ struct Bodies::Impl {
     return std::span(all).subspan(static_cast<std::size_t>(n) * size, size);
   }
   std::span<double> state_of(Eigen::Index n) { return part_of(current, n, states); }
-  std::span<double> from_of(Eigen::Index n) { return part_of(from, n, coefficients); }
-  std::span<double> to_of(Eigen::Index n) { return part_of(to, n, coefficients); }
   Eigen::Map<Eigen::Vector3d> last_of(Eigen::Index n) {
     return Eigen::Map<Eigen::Vector3d>(last_place.data() + 3 * n);
   }
 
-  Eigen::Quaterniond attitude_of(std::span<const double> state) const {
-    const double* q = state.data() + where.attitude;
-    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+  /// Of the world, along the axes of states: in a plane x and z.
+  double along_axis(const Eigen::Vector3d& v, std::size_t k) const {
+    return v[layout.is_planar && k == 1 ? 2 : static_cast<Eigen::Index>(k)];
   }
-  Eigen::Vector3d place_of(std::span<const double> state) const {
-    const auto at = [&](std::size_t k) { return state[static_cast<std::size_t>(where.position[k])]; };
-    if (moving.is_planar()) return {at(0), 0.0, at(1)};
-    return {at(0), at(1), at(2)};
+
+  models::BodyOnPath motion_of(std::span<const double> state) const {
+    models::BodyOnPath motion;
+    gusts->read([&](int i) { return state[static_cast<std::size_t>(i)]; }, motion);
+    return motion;
   }
 
   /// The state with place and velocity relative to the air, in which it meets events and looks for pieces.
   std::span<const double> seen_state(Eigen::Index n) {
     const std::span<double> state = state_of(n);
     if (!options.wind) return state;
+    Body& one = body(n);
+    const models::BodyOnPath motion = motion_of(state);
+    one.air = options.wind->sample(stepper.time(n), motion.position);
     std::ranges::copy(state, relative.begin());
-    const Eigen::Vector3d air = options.wind->sample(stepper.time(n), place_of(state)).velocity;
-    const Eigen::Vector3d along = attitude_of(state).conjugate() * air;
-    for (int k = 0; k < 3; ++k) {
-      relative[static_cast<std::size_t>(where.velocity + k)] -= along[k];
-      relative[static_cast<std::size_t>(where.position[static_cast<std::size_t>(k)])] -= body(n).carried[k];
+    const Eigen::Vector3d along = motion.attitude.transpose() * one.air.velocity;
+    for (std::size_t k = 0; k < layout.velocities().size(); ++k) {
+      relative[layout.velocity[k]] -= along_axis(along, k);
+      relative[layout.position[k]] -= along_axis(one.carried, k);
     }
     return relative;
   }
@@ -141,45 +129,27 @@ struct Bodies::Impl {
     stepper.load(n, values);
     stepper.set_state(n, 0.0, state);
     std::ranges::copy(state, state_of(n).begin());
-    std::ranges::copy(first, from_of(n).begin());
-    std::ranges::copy(first, to_of(n).begin());
     one.status = BodyStatus::falling;
     one.finder.restart();
     one.past_count = 0;
     one.planned.reset();
     one.followed = -1;
-    one.ramp_start = -options.ramp;
     one.carried.setZero();
-    last_of(n) = place_of(state);
+    last_of(n) = layout.place(state);
     one.finder.see(0.0, seen_state(n));
   }
 
-  /// Coefficients of a ramp of our own.
-  double coefficient(Eigen::Index n, std::size_t k, double t) {
-    const Body& one = body(n);
-    const double share = options.ramp > 0.0 ? smooth_share((t - one.ramp_start) / options.ramp) : 1.0;
-    return from_of(n)[k] + share * (to_of(n)[k] - from_of(n)[k]);
-  }
-
-  /// The air over the next step, and the coefficients in its middle.
+  /// The air over the next step.
   void set_air(Eigen::Index n, double h) {
-    const double t = stepper.time(n);
-    const std::span<double> state = state_of(n);
-    for (std::size_t k = 0; k < coefficients; ++k) values[k] = coefficient(n, k, t + 0.5 * h);
-    const Eigen::Vector3d u(state[static_cast<std::size_t>(where.velocity)],
-                            state[static_cast<std::size_t>(where.velocity) + 1],
-                            state[static_cast<std::size_t>(where.velocity) + 2]);
-    const models::AmbientSample air = options.wind->sample(t, place_of(state));
-    body(n).carried += h * air.velocity;
-    const Eigen::Vector3d rate = air.rate + air.gradient * (attitude_of(state) * u);
+    Body& one = body(n);
+    const models::AmbientSample& air = one.air;
+    one.carried += h * air.velocity;
+    const Eigen::Vector3d rate = air.rate + air.gradient * motion_of(state_of(n)).velocity;
     const Eigen::Vector3d material = air.rate + air.gradient * air.velocity;
-    double* gust = values.data() + coefficients;
-    *gust++ = t;
-    for (const Eigen::Vector3d* vector : {&air.velocity, &rate, &material}) {
-      for (int k = 0; k < 3; ++k) *gust++ = (*vector)[k];
-    }
-    std::fill_n(gust, 3, 0.0);
-    stepper.set_parameters(n, values);
+    std::size_t next = 0;
+    gusts->write([&](int, double value) { values[next++] = value; }, stepper.time(n), air.velocity, rate,
+                 material, Eigen::Vector3d::Zero());
+    stepper.drive(n, values);
   }
 
   void step(double h) {
@@ -202,7 +172,7 @@ struct Bodies::Impl {
     if (!std::ranges::all_of(read, [](double x) { return std::isfinite(x); }))
       return rest(n, BodyStatus::not_finite);
     std::ranges::copy(read, state_of(n).begin());
-    const Eigen::Vector3d place = place_of(state_of(n));
+    const Eigen::Vector3d place = layout.place(state_of(n));
     if (options.ground && place.z() <= *options.ground) return land(n, place);
     last_of(n) = place;
     if (one.finder.see(stepper.time(n), seen_state(n))) go_on(n);
@@ -218,11 +188,7 @@ struct Bodies::Impl {
     const Eigen::Vector3d before = last_of(n);
     const double drop = before.z() - place.z();
     const double share = drop > 0.0 ? std::clamp((before.z() - *options.ground) / drop, 0.0, 1.0) : 1.0;
-    const Eigen::Vector3d at = before + share * (place - before);
-    const std::span<double> state = state_of(n);
-    for (std::size_t k = 0; k < where.position.size(); ++k)
-      state[static_cast<std::size_t>(where.position[k])] =
-          at[moving.is_planar() && k == 1 ? 2 : static_cast<Eigen::Index>(k)];
+    layout.put_place(before + share * (place - before), state_of(n));
     rest(n, BodyStatus::landed);
   }
 
@@ -236,39 +202,61 @@ struct Bodies::Impl {
     }
     one.past[static_cast<std::size_t>(one.past_count++)] = static_cast<int>(event.kind);
     const std::span<const int> past(one.past.data(), static_cast<std::size_t>(one.past_count));
-    const NextPiece piece = options.choice == BodiesOptions::Choice::chain
-                                ? pieces.after(one.followed, one.finder.state(), past, one.stream)
-                                : pieces.after(one.followed, one.finder.state(), one.stream);
-    if (events.size() < events.capacity()) events.push_back({n, event.t, event.kind, one.planned, piece});
+    const std::span<NextPiece> wanted(choices.data(), static_cast<std::size_t>(std::max(1, options.tries)));
+    const std::size_t count = options.choice == BodiesOptions::Choice::chain
+                                  ? pieces.after(one.followed, one.finder.state(), past, one.stream, wanted)
+                                  : pieces.after(one.followed, one.finder.state(), one.stream, wanted);
+    const NextPiece piece = best_of(n, wanted.first(count));
+    note({n, event.t, event.kind, one.planned, piece});
     one.planned = piece.kind;
     one.followed = piece.segment;
     const Eigen::VectorXd& target = pieces.coefficients(piece);
-    const double t = stepper.time(n);
-    for (std::size_t k = 0; k < coefficients; ++k) {
-      const double now = coefficient(n, k, t);
-      from_of(n)[k] = now;
-      to_of(n)[k] = target[static_cast<Eigen::Index>(k)];
+    stepper.ramp(n, {target.data(), coefficients}, options.ramp);
+  }
+
+  /// The first that keeps its kind when it is tried, else the first.
+  const NextPiece& best_of(Eigen::Index n, std::span<const NextPiece> some) {
+    if (!ahead) return some.front();
+    stepper.read_parameters(n, present);
+    const std::span<const double> state = options.wind ? std::span<const double>(relative) : state_of(n);
+    const std::size_t first = ahead->first_kept({body(n).finder, stepper.time(n), state, present}, some);
+    return first < some.size() ? some[first] : some.front();
+  }
+
+  void note(const BodyEvent& event) {
+    ++counts.events;
+    counts.planned += event.planned.has_value();
+    counts.kept += event.planned == event.kind;
+    counts.drawn += event.next.drawn.has_value();
+    counts.taken += event.next.drawn == event.next.kind;
+    if (events.size() < room) {
+      events.push_back(event);
+    } else {
+      ++counts.dropped;
     }
-    one.ramp_start = t;
-    if (!options.wind) stepper.ramp(n, to_of(n), options.ramp);
   }
 
   const NextPieces& pieces;
   BodiesOptions options;
   models::ParametricModel model;
   MovingStates moving;
+  StateLayout layout;
+  std::optional<models::GustLayout> gusts;  // in wind
   models::Stepper stepper;
   std::size_t states, coefficients;
   std::vector<Body> bodies;
   std::vector<double> current;         // states, as they are now
   std::vector<double> last_place;      // before the last step
-  std::vector<double> from, to;        // of the ramps
   std::vector<double> values;          // all free parameters of one body
   std::vector<double> relative, read;  // states
+  std::optional<LookAhead> ahead;
+  std::array<NextPiece, NextPieces::kMost> choices = {};
+  std::vector<double> present;  // coefficients of one body
   std::vector<BodyEvent> events;
+  std::size_t room = 0;  // of events
+  BodyCounts counts;
   models::PoseStates pose;
   std::vector<std::size_t> pose_indices;
-  StateIndices where;
 };
 
 Bodies::Bodies(const NextPieces& pieces, Eigen::Index count, const BodiesOptions& options) {
@@ -278,6 +266,9 @@ Bodies::Bodies(const NextPieces& pieces, Eigen::Index count, const BodiesOptions
     throw ArgumentError(fmt::format(
         "step, ramp or ground of bodies is {}, {}, {}, expected finite numbers, the step 0 or more",
         options.step, options.ramp, options.ground.value_or(0.0)));
+  if (options.tries < 0 || options.tries > static_cast<int>(NextPieces::kMost))
+    throw ArgumentError(
+        fmt::format("{} tries were asked for, expected 0 to {}", options.tries, NextPieces::kMost));
   impl_ = std::make_unique<Impl>(pieces, count, options);
 }
 Bodies::~Bodies() = default;
@@ -296,6 +287,13 @@ void Bodies::release(Eigen::Index n, std::span<const double> state, std::span<co
                     state.size(), coefficients.size(), impl_->states, impl_->coefficients));
   require_finite_numbers(state, "the state of a body");
   require_finite_numbers(coefficients, "the coefficients of a body");
+  if (!impl_->layout.is_planar) {
+    double square = 0.0;
+    for (const std::size_t i : impl_->layout.attitudes()) square += state[i] * state[i];
+    if (std::abs(std::sqrt(square) - 1.0) > 1e-3)
+      throw ArgumentError(
+          fmt::format("the quaternion of a body has the length {}, expected 1", std::sqrt(square)));
+  }
   if (!coefficients.empty()) return impl_->begin(n, state, coefficients);
   NearSegment found;
   impl_->pieces.tree().nearest(state, {&found, 1});
@@ -305,24 +303,28 @@ void Bodies::release(Eigen::Index n, std::span<const double> state, std::span<co
 
 void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
   require_index(n);
-  const std::array<double, 4> numbers = {place.x(), place.y(), place.z(), yaw};
-  require_finite_numbers(numbers, "the release of a body");
+  const std::array<double, 4> given = {place.x(), place.y(), place.z(), yaw};
+  require_finite_numbers(given, "the release of a body");
   Impl& run = *impl_;
   const MotionDatabase& database = run.pieces.database();
   const Eigen::Index segment = run.pieces.draw_segment(run.body(n).stream);
   Eigen::VectorXd state = database.starts.row(segment);
-  if (run.moving.is_planar()) {
-    state[run.where.position[0]] = place.x();
-    state[run.where.position[1]] = place.z();
-  } else {
-    for (std::size_t k = 0; k < 3; ++k) state[run.where.position[k]] = place[static_cast<Eigen::Index>(k)];
-    const Eigen::Quaterniond turned = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())) *
-                                      run.attitude_of({state.data(), run.states});
-    state.segment<4>(run.where.attitude) << turned.w(), turned.x(), turned.y(), turned.z();
-    if (run.options.wind) {
-      const Eigen::Vector3d air = run.options.wind->sample(0.0, place).velocity;
-      state.segment<3>(run.where.velocity) += turned.conjugate() * air;
-    }
+  const std::span<double> numbers(state.data(), run.states);
+  run.layout.put_place(place, numbers);
+  if (!run.layout.is_planar) {
+    const auto& at = run.layout.attitude;
+    const Eigen::Quaterniond turned =
+        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+        Eigen::Quaterniond(numbers[at[0]], numbers[at[1]], numbers[at[2]], numbers[at[3]]).normalized();
+    const std::array<double, 4> q = {turned.w(), turned.x(), turned.y(), turned.z()};
+    for (std::size_t k = 0; k < 4; ++k) numbers[at[k]] = q[k];
+  }
+  if (run.options.wind) {
+    const models::BodyOnPath motion = run.motion_of(numbers);
+    const Eigen::Vector3d along =
+        motion.attitude.transpose() * run.options.wind->sample(0.0, motion.position).velocity;
+    for (std::size_t k = 0; k < run.layout.velocities().size(); ++k)
+      numbers[run.layout.velocity[k]] += run.along_axis(along, k);
   }
   const Eigen::VectorXd& own = run.pieces.coefficients({segment, EventKind::swing_plus, 0.0});
   run.begin(n, {state.data(), run.states}, {own.data(), run.coefficients});
@@ -338,6 +340,10 @@ void Bodies::advance(double dt) {
 
 std::span<const BodyEvent> Bodies::events() const {
   return impl_->events;
+}
+
+const BodyCounts& Bodies::counts() const {
+  return impl_->counts;
 }
 
 void Bodies::require_index(Eigen::Index n) const {
@@ -371,8 +377,7 @@ void Bodies::read_coefficients(Eigen::Index n, std::span<double> coefficients) c
   if (coefficients.size() != impl_->coefficients)
     throw ArgumentError(
         fmt::format("{} coefficients were asked for, expected {}", coefficients.size(), impl_->coefficients));
-  for (std::size_t k = 0; k < coefficients.size(); ++k)
-    coefficients[k] = impl_->coefficient(n, k, impl_->stepper.time(n));
+  impl_->stepper.read_parameters(n, coefficients);
 }
 
 void Bodies::read_poses(std::span<double> positions, std::span<double> rotations) const {

@@ -19,9 +19,9 @@
 ///     leaves.read_poses(positions, rotations);
 ///   }
 ///
-/// Each is one solution of the model: at its events its coefficients begin to move to those of a segment that began in
-/// a state like its own, over a ramp; nothing is blended, and place, velocity, attitude and rate have no jumps. Bodies
-/// do not see each other: there are no collisions.
+/// Each is one solution of the model: as soon as an event is certain, a few steps after it, its coefficients begin to
+/// move to those of a segment that began in a state like its own at the event, over a ramp; nothing is blended, and
+/// place, velocity, attitude and rate have no jumps. Bodies do not see each other: there are no collisions.
 namespace samara::motion {
 
 enum class BodyStatus {
@@ -37,16 +37,31 @@ struct BodyEvent {
   double t = 0.0;                          ///< s since its release
   EventKind kind = EventKind::swing_plus;  ///< of the segment that ended
   std::optional<EventKind> planned;        ///< the kind of the piece that was chosen for that segment
-  NextPiece next;
+  NextPiece next;                          ///< with the kind that the chain drew, if it did
+};
+
+/// Of all events since construction.
+struct BodyCounts {
+  long events = 0;
+  long dropped = 0;  ///< that events() had no room for
+  long planned = 0;  ///< that ended a segment for which a piece was chosen ..
+  long kept = 0;     ///< .. and were of its kind
+  long drawn = 0;    ///< at which a chain drew a kind ..
+  long taken = 0;    ///< .. and a piece of it was taken
 };
 
 struct BodiesOptions {
   enum class Choice { chain, graph };
   Choice choice = Choice::chain;      ///< where next pieces come from
   double step = 0.0;                  ///< s, at most; 0: that of the database
-  double ramp = -1.0;                 ///< s, of the coefficients; below 0: a quarter of the median segment
+  double ramp = -1.0;                 ///< s, of the coefficients; below 0: that with which pieces were tried
   std::optional<double> ground = {};  ///< m, height at which bodies rest; none: they fall for ever
-  /// Wind: sampled once per body and step at its place. Of models that have a sibling `.._in_gusts`.
+  /// Next pieces that are tried ahead at an event, from the state that the body is really in, at most 8: the first whose
+  /// next event is of its kind is taken (the air about the body resting as it is). 0: none is tried, and the best is
+  /// taken as it is. Trying costs about a segment's steps for each event.
+  int tries = 0;
+  /// Wind: sampled once per body and step at its place. Of models that have a sibling `.._in_gusts`. Planar bodies move
+  /// in x and z at y = 0, and do not feel its y. What the air turns is not felt.
   std::shared_ptr<const models::AmbientFlow> wind = {};
   std::uint64_t seed = 1;  ///< body n draws from its stream n
 };
@@ -54,7 +69,8 @@ struct BodiesOptions {
 class Bodies {
  public:
   /// @param pieces must live as long
-  /// @throws ArgumentError for no bodies, a step, ramp or ground that is not finite, or wind for a model without it.
+  /// @throws ArgumentError for no bodies, a step, ramp or ground that is not finite, tries outside 0 to 8, or wind for a
+  /// model without it.
   Bodies(const NextPieces& pieces, Eigen::Index count, const BodiesOptions& options = {});
   ~Bodies();
   Bodies(Bodies&&) noexcept;
@@ -71,15 +87,17 @@ class Bodies {
 
   /// Lets a body go in a state of the model, SI, with coefficients in the order of the database; none: those of the run
   /// that has the nearest segment.
-  /// @throws ArgumentError likewise, or for other sizes
+  /// @throws ArgumentError likewise, for other sizes, or a quaternion whose length is not 1 to 1e-3
   void release(Eigen::Index body, std::span<const double> state, std::span<const double> coefficients = {});
 
   /// All that fall, by steps of equal length. Does not allocate.
   /// @param dt s, more than 0. @throws ArgumentError otherwise
   void advance(double dt);
 
-  /// Events of the last advance(), in the order of its steps; four a body at most are kept.
+  /// Events of the last advance(), in the order of its steps. There is room for four times as many as there are
+  /// bodies; what is dropped is counted.
   std::span<const BodyEvent> events() const;
+  const BodyCounts& counts() const;
 
   BodyStatus status(Eigen::Index body) const;
   Eigen::Index falling() const;

@@ -2,15 +2,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/models/batch/watch_batch.h"
+#include "samara/motion/bodies/piece_trials.h"
 
 namespace samara::motion {
 
 namespace {
+
+/// Of the edges that lead to a sturdy segment, the share that must be sound.
+constexpr double kSturdy = 0.9;
+/// See NearPoints: of searches at run time, which then take microseconds, and of how many they ask for.
+constexpr double kSlack = 4.0;
+constexpr std::size_t kNear = 4;
 
 /// The 90 % point of the distances from the ends of kept segments to the nearest start in another run; the graph's
 /// threshold where none has a neighbour.
@@ -30,27 +37,26 @@ double reach_of(const MotionGraph& graph) {
   return *high;
 }
 
-double longest_duration(const MotionDatabase& database) {
-  return std::ranges::max(database.segments, {}, &MotionSegment::duration).duration;
+double median_duration(const MotionDatabase& database) {
+  std::vector<double> durations;
+  for (const MotionSegment& segment : database.segments) durations.push_back(segment.duration);
+  const auto middle = durations.begin() + static_cast<std::ptrdiff_t>(durations.size() / 2);
+  std::ranges::nth_element(durations, middle);
+  return *middle;
 }
 
 }  // namespace
 
-NextPieces::NextPieces(MotionDatabase database) : NextPieces(database, motion_graph(database)) {}
-
-NextPieces::NextPieces(MotionDatabase database, MotionGraph graph)
+NextPieces::NextPieces(MotionDatabase database, const PieceOptions& options)
     : database_(std::move(database)),
-      graph_(std::move(graph)),
+      graph_(motion_graph(database_)),
       tree_(database_),
       metric_(database_.metric()),
-      chain_(kind_chain(database_).chain) {
-  std::vector<double> durations;
-  for (const MotionSegment& segment : database_.segments) durations.push_back(segment.duration);
-  const auto middle = durations.begin() + static_cast<std::ptrdiff_t>(durations.size() / 2);
-  std::ranges::nth_element(durations, middle);
-  median_duration_ = *middle;
-  reach_ = reach_of(graph_);
-  try_kinds();
+      chain_(kind_chain(database_).chain),
+      ramp_(options.ramp < 0.0 ? 0.25 * median_duration(database_) : options.ramp),
+      reach_(reach_of(graph_)) {
+  if (!std::isfinite(ramp_))
+    throw ArgumentError(fmt::format("the ramp of pieces is {}, expected a finite time", ramp_));
   const MovingStates& moving = tree_.moving_states();
   places_.resize(moving.reduced_size(), database_.segment_count());
   Eigen::VectorXd state;
@@ -60,7 +66,8 @@ NextPieces::NextPieces(MotionDatabase database, MotionGraph graph)
     moving.reduce({state.data(), static_cast<std::size_t>(state.size())}, place);
     metric_.place(place);
   }
-  near_ = std::make_unique<SegmentTree>(sturdy_tree());
+  try_edges();
+  plant_trees();
 }
 
 const Eigen::VectorXd& NextPieces::coefficients(const NextPiece& piece) const {
@@ -68,61 +75,32 @@ const Eigen::VectorXd& NextPieces::coefficients(const NextPiece& piece) const {
   return database_.runs[static_cast<std::size_t>(segment.run)].coefficients;
 }
 
-NextPiece NextPieces::piece_of(const NearSegment& found) const {
-  return {found.segment, database_.segments[static_cast<std::size_t>(found.segment)].kind, found.distance};
-}
-
-NextPiece NextPieces::of_kind(std::span<const double> state, EventKind kind) const {
-  NearSegment found;
-  if (tree_.nearest(state, {&found, 1}, kind) == 0)
-    throw ArgumentError(fmt::format("the database has no segment of the kind {}", to_string(kind)));
-  return piece_of(found);
-}
-
-/// Runs each segment's coefficients from the starts of others until the next event.
-void NextPieces::try_kinds() {
-  constexpr std::size_t kTrials = 3;
-  const Eigen::Index count = database_.segment_count();
-  std::vector<Eigen::Index> from, with;
-  std::array<NearSegment, kTrials + 1> found;
-  Eigen::VectorXd state;
-  for (Eigen::Index n = 0; n < count; ++n) {
-    state = database_.starts.row(n);
-    const std::size_t near = tree_.nearest({state.data(), static_cast<std::size_t>(state.size())}, found);
-    for (std::size_t k = 0; k < near; ++k) {
-      if (found[k].segment == n || found[k].distance >= reach_) continue;
-      from.push_back(found[k].segment);
-      with.push_back(n);
-    }
+void NextPieces::try_edges() {
+  const auto tries = [&](const GraphEdge& edge) {
+    return graph_.is_kept(edge.from) && graph_.is_kept(edge.to) && edge.distance < reach_;
+  };
+  std::vector<PieceTrial> trials;
+  for (const GraphEdge& edge : graph_.edges) {
+    if (tries(edge)) trials.push_back({.after = edge.from, .with = edge.to});
   }
-  sturdy_.assign(static_cast<std::size_t>(count), 1);
-  if (from.empty()) return;
-  std::vector<std::string> free = database_.coefficient_names;
-  for (const std::string& name : database_.state_names) free.push_back(name + "(0)");
-  const models::ParametricModel base = database_.parametric_model();
-  const models::ParametricModel model(base.shared_model(), database_.fixed, free);
-  const Eigen::Index coefficients = database_.lower.size();
-  Eigen::MatrixXd lanes(static_cast<Eigen::Index>(from.size()), model.free_count());
-  std::vector<EventFinder> finders;
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    const auto lane = static_cast<Eigen::Index>(k);
-    lanes.row(lane).head(coefficients) = this->coefficients({with[k], EventKind::swing_plus, 0.0});
-    lanes.row(lane).tail(database_.starts.cols()) = database_.starts.row(from[k]);
-    finders.emplace_back(tree_.moving_states(), database_.events);
+  const std::vector<char> kept = try_pieces(database_, trials, ramp_);
+  sound_.assign(graph_.edges.size(), 0);
+  std::vector<double> into(database_.segments.size(), 0.0), sound_into(into);
+  std::size_t trial = 0;
+  for (std::size_t k = 0; k < graph_.edges.size(); ++k) {
+    if (!tries(graph_.edges[k])) continue;
+    const auto to = static_cast<std::size_t>(graph_.edges[k].to);
+    sound_[k] = kept[trial++];
+    if (graph_.edges[k].distance == 0.0) continue;  // its own run
+    into[to] += 1.0;
+    sound_into[to] += sound_[k];
   }
-  std::vector<char> kept(from.size(), 0);
-  watch_batch(model, lanes,
-              [&](Eigen::Index lane, double t, std::span<const double> x) {
-                const auto k = static_cast<std::size_t>(lane);
-                if (!finders[k].see(t, x)) return true;
-                kept[k] =
-                    finders[k].event().kind == database_.segments[static_cast<std::size_t>(with[k])].kind;
-                return false;
-              },
-              {.step = database_.step, .interval = database_.step, .end = 4.0 * longest_duration(database_)});
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    if (kept[k] == 0) sturdy_[static_cast<std::size_t>(with[k])] = 0;
-  }
+  tried_ = std::ssize(trials);
+  sound_count_ = std::ranges::count(sound_, 1);
+  sturdy_.assign(into.size(), 0);
+  for (std::size_t n = 0; n < into.size(); ++n)
+    sturdy_[n] = into[n] > 0.0 && sound_into[n] >= kSturdy * into[n] ? 1 : 0;
+  sturdy_count_ = std::ranges::count(sturdy_, 1);
 }
 
 Eigen::Index NextPieces::draw_segment(Stream& stream) const {
@@ -134,15 +112,19 @@ Eigen::Index NextPieces::draw_segment(Stream& stream) const {
   return segment;
 }
 
-SegmentTree NextPieces::sturdy_tree() const {
+void NextPieces::plant_trees() {
   std::vector<Eigen::Index> chosen;
+  std::array<std::vector<Eigen::Index>, kEventKinds> of_kinds;
   for (Eigen::Index n = 0; n < database_.segment_count(); ++n) {
-    if (graph_.is_kept(n) && is_sturdy(n)) chosen.push_back(n);
+    if (!graph_.is_kept(n) || (sturdy_count_ > 0 && !is_sturdy(n))) continue;
+    chosen.push_back(n);
+    of_kinds[static_cast<std::size_t>(database_.segments[static_cast<std::size_t>(n)].kind)].push_back(n);
   }
-  for (Eigen::Index n = 0; chosen.empty() && n < database_.segment_count(); ++n) {
-    if (graph_.is_kept(n)) chosen.push_back(n);
+  near_ = std::make_unique<SegmentTree>(database_, std::move(chosen));
+  for (std::size_t kind = 0; kind < kEventKinds; ++kind) {
+    if (!of_kinds[kind].empty())
+      kinds_[kind] = std::make_unique<SegmentTree>(database_, std::move(of_kinds[kind]));
   }
-  return {database_, std::move(chosen)};
 }
 
 std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double> state,
@@ -162,8 +144,8 @@ std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double
   const auto node = static_cast<std::size_t>(followed);
   for (Eigen::Index k = graph_.first_edge[node]; k < graph_.first_edge[node + 1] && have < found.size();
        ++k) {
+    if (sound_[static_cast<std::size_t>(k)] == 0) continue;
     const Eigen::Index to = graph_.edges[static_cast<std::size_t>(k)].to;
-    if (!graph_.is_kept(to) || !is_sturdy(to)) continue;
     double least = reach_ * reach_;
     const double* start = places_.data() + static_cast<std::size_t>(to) * size;
     for (int copy = 0; copy < moving.copies(); ++copy) {
@@ -180,33 +162,86 @@ std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double
   return have;
 }
 
-NextPiece NextPieces::after(Eigen::Index followed, std::span<const double> state, Stream& stream) const {
-  std::array<NearSegment, kMostEdges> found;
-  const std::size_t count = candidates(followed, state, found);
-  if (count == 0) return anywhere(state, stream);
-  return piece_of(found[static_cast<std::size_t>(stream.uniform() * static_cast<double>(count))]);
-}
+/// Pieces that are found, each segment once, until there are enough.
+class NextPieces::Found {
+ public:
+  Found(const MotionDatabase& database, std::span<NextPiece> room, std::optional<EventKind> drawn)
+      : database_(database),
+        room_(room),
+        drawn_(drawn),
+        limit_(std::max(std::size_t{1}, room.size() - std::min(room.size(), kEventKinds))) {}
 
-NextPiece NextPieces::after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
-                            Stream& stream) const {
-  const auto kind = static_cast<EventKind>(chain_.draw(past, stream));
-  std::array<NearSegment, kMostEdges> found;
-  const std::size_t count = candidates(followed, state, found);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (database_.segments[static_cast<std::size_t>(found[k].segment)].kind == kind)
-      return piece_of(found[k]);
+  /// Places are kept for one of each kind, if there is room.
+  void open_all() { limit_ = room_.size(); }
+  bool is_full() const { return count_ == limit_; }
+  std::size_t count() const { return count_; }
+  EventKind kind_of(const NearSegment& near) const {
+    return database_.segments[static_cast<std::size_t>(near.segment)].kind;
   }
-  if (count == 0) return anywhere(state, stream);
-  return piece_of(found[static_cast<std::size_t>(stream.uniform() * static_cast<double>(count))]);
+  void add(const NearSegment& near) {
+    const auto known = room_.first(count_);
+    if (is_full() || std::ranges::find(known, near.segment, &NextPiece::segment) != known.end()) return;
+    room_[count_++] = {near.segment, kind_of(near), near.distance, drawn_};
+  }
+  /// From one of them on that chance takes, and round.
+  void add_by_chance(std::span<const NearSegment> some, Stream& stream) {
+    if (is_full() || some.empty()) return;
+    const auto first = static_cast<std::size_t>(stream.uniform() * static_cast<double>(some.size()));
+    for (std::size_t k = 0; k < some.size(); ++k) add(some[(first + k) % some.size()]);
+  }
+
+ private:
+  const MotionDatabase& database_;
+  std::span<NextPiece> room_;
+  std::optional<EventKind> drawn_;
+  std::size_t limit_, count_ = 0;
+};
+
+void NextPieces::add_any(std::span<const double> state, std::span<const NearSegment> along, Stream& stream,
+                         Found& found) const {
+  std::array<NearSegment, kNear> near;
+  found.add_by_chance(along, stream);
+  if (!found.is_full()) {
+    const auto all = std::span<const NearSegment>(near).first(near_->nearest(state, near, kSlack));
+    const auto far =
+        std::ranges::find_if(all, [&](const NearSegment& one) { return one.distance >= reach_; });
+    const auto inside = static_cast<std::size_t>(far - all.begin());
+    found.add_by_chance(all.first(inside), stream);
+    for (const NearSegment& one : all.subspan(inside)) found.add(one);
+  }
+  found.open_all();
+  for (std::size_t kind = 0; kind < kEventKinds && !found.is_full(); ++kind) {
+    if (kinds_[kind] && kinds_[kind]->nearest(state, std::span(near).first(1), kSlack) > 0)
+      found.add(near[0]);
+  }
 }
 
-NextPiece NextPieces::anywhere(std::span<const double> state, Stream& stream) const {
-  constexpr std::size_t kNear = 4;
-  std::array<NearSegment, kNear> found;
-  const std::size_t count = near_->nearest(state, found, {}, 4.0);
-  std::size_t choices = 1;
-  while (choices < count && found[choices].distance < reach_) ++choices;
-  return piece_of(found[static_cast<std::size_t>(stream.uniform() * static_cast<double>(choices))]);
+std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, Stream& stream,
+                              std::span<NextPiece> room) const {
+  std::array<NearSegment, kMostEdges> along;
+  Found found(database_, room, {});
+  add_any(state, std::span(along).first(candidates(followed, state, along)), stream, found);
+  return found.count();
+}
+
+std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
+                              Stream& stream, std::span<NextPiece> room) const {
+  const auto kind = static_cast<EventKind>(chain_.draw(past, stream));
+  std::array<NearSegment, kMostEdges> along;
+  const std::size_t edges = candidates(followed, state, along);
+  Found found(database_, room, kind);
+  for (const NearSegment& one : std::span(along).first(edges)) {
+    if (found.kind_of(one) == kind) found.add(one);
+  }
+  if (const auto& tree = kinds_[static_cast<std::size_t>(kind)]; tree && !found.is_full()) {
+    std::array<NearSegment, kNear> near;
+    const std::size_t count = tree->nearest(state, near, kSlack);
+    for (const NearSegment& one : std::span(near).first(count)) {
+      if (one.distance < reach_) found.add(one);
+    }
+  }
+  add_any(state, std::span(along).first(edges), stream, found);
+  return found.count();
 }
 
 }  // namespace samara::motion

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,71 +17,87 @@ struct NextPiece {
   Eigen::Index segment = 0;
   EventKind kind = EventKind::swing_plus;
   double distance = 0.0;  ///< of the state to the segment's start
+  /// The kind that a chain drew; another one than `kind` where no piece of it begins near.
+  std::optional<EventKind> drawn = {};
+};
+
+struct PieceOptions {
+  /// s, in which coefficients change when pieces are tried; below 0: a quarter of the median segment.
+  double ramp = -1.0;
 };
 
 /// What a motion can go on with from the state that it is really in. Closed loop: nothing but states, kinds and
 /// coefficients is taken from the database, and each choice is made anew at the next event. Immutable, shared between
 /// threads; choices do not allocate.
+///
+/// Pieces are tried beforehand, the way bodies go on with them: every edge of the graph within reach(), from the end of
+/// its segment with the coefficients of that until the event is certain, then on the ramp. An edge is *sound* if the
+/// next event is of the kind of the segment that it leads to; a segment is *sturdy* if nine of ten edges that lead to
+/// it from other runs are, one at least. Choices are made among sound edges and sturdy segments.
 class NextPieces {
  public:
-  explicit NextPieces(MotionDatabase database);
-  NextPieces(MotionDatabase database, MotionGraph graph);
+  explicit NextPieces(MotionDatabase database, const PieceOptions& options = {});
 
   const MotionDatabase& database() const { return database_; }
   const MotionGraph& graph() const { return graph_; }
   const MarkovChain& chain() const { return chain_; }
   const SegmentTree& tree() const { return tree_; }
   const Eigen::VectorXd& coefficients(const NextPiece& piece) const;
-  /// Median duration of the segments [s].
-  double median_duration() const { return median_duration_; }
+  /// s, with which pieces were tried.
+  double ramp() const { return ramp_; }
 
-  /// The nearest segment of a kind. @throws ArgumentError if there is none of it
-  NextPiece of_kind(std::span<const double> state, EventKind kind) const;
-
-  /// Where nine of ten segments of the graph's largest component find one to go on with, in another run: how near a
-  /// choice of a kind must be.
+  /// The 90 % point, over segments of the graph's largest component that have an edge into another run, of the distance
+  /// to the nearest: how near a choice must be.
   double reach() const { return reach_; }
 
-  /// Whether a segment keeps its kind from states that are not quite its own: with its coefficients, from the starts of
-  /// the three segments that begin nearest within reach(), the next event is of its kind as well. Choices are made
-  /// among such segments.
   bool is_sturdy(Eigen::Index segment) const { return sturdy_[static_cast<std::size_t>(segment)] != 0; }
+  /// Sturdy segments of the largest component, and how many edges were tried and found sound.
+  Eigen::Index sturdy_count() const { return sturdy_count_; }
+  Eigen::Index tried() const { return tried_; }
+  Eigen::Index sound() const { return sound_count_; }
 
   /// One of the graph's largest component, any as likely as another.
   Eigen::Index draw_segment(Stream& stream) const;
 
-  /// What to go on with after a segment, among its edges of the graph: the sturdy ones that begin within reach() of the
-  /// state that the motion is really in. anywhere() if there is none, or no segment was followed.
+  /// What to go on with after a segment from the state that the motion is really in, the best first: along its sound
+  /// edges, those that begin within reach(), one of them first by chance; then of the sturdy segments that begin nearest
+  /// one within reach() by chance, and the others; at last the nearest sturdy one of each kind, for which places are kept.
+  /// With the chain: at first the nearest along an edge of a kind that it draws, then the nearest sturdy ones of that
+  /// kind within reach(); only then any kind, as above.
   /// @param followed -1: none
-  NextPiece after(Eigen::Index followed, std::span<const double> state, Stream& stream) const;
-
-  /// The same, of a kind that is drawn from the chain, if there is one.
+  /// @param found as many as are wanted, kMost at most  @returns how many there are, at least one
+  std::size_t after(Eigen::Index followed, std::span<const double> state, Stream& stream,
+                    std::span<NextPiece> found) const;
   /// @param past kinds, the latest last
-  NextPiece after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
-                  Stream& stream) const;
+  std::size_t after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
+                    Stream& stream, std::span<NextPiece> found) const;
 
-  /// One of the four sturdy segments of the largest component that begin nearest, any within reach(); else the nearest.
-  /// (With a slack of 4, see NearPoints: it takes microseconds, and keeps as many kinds.)
-  NextPiece anywhere(std::span<const double> state, Stream& stream) const;
+  static constexpr std::size_t kMost = 8;
 
  private:
   static constexpr std::size_t kMostEdges = 32;
-  NextPiece piece_of(const NearSegment& found) const;
-  void try_kinds();
-  SegmentTree sturdy_tree() const;
-  /// Sturdy segments that the graph leads to, within reach(), the nearest first.
+  class Found;
+  void try_edges();
+  void plant_trees();
+  /// Segments along sound edges, within reach(), the nearest first.
   std::size_t candidates(Eigen::Index followed, std::span<const double> state,
                          std::span<NearSegment> found) const;
+  void add_any(std::span<const double> state, std::span<const NearSegment> along, Stream& stream,
+               Found& found) const;
 
   MotionDatabase database_;
   MotionGraph graph_;
   SegmentTree tree_;
   StateMetric metric_;
   MarkovChain chain_;
-  double median_duration_ = 0.0, reach_ = 0.0;
-  std::vector<char> sturdy_;
+  double ramp_ = 0.0, reach_ = 0.0;
+  std::vector<char> sound_;   ///< per edge
+  std::vector<char> sturdy_;  ///< per segment
+  Eigen::Index sturdy_count_ = 0, tried_ = 0, sound_count_ = 0;
   Eigen::MatrixXd places_;                   ///< of all starts, in the metric, a column each
-  std::unique_ptr<const SegmentTree> near_;  ///< of sturdy, kept ones
+  std::unique_ptr<const SegmentTree> near_;  ///< of sturdy ones
+  std::array<std::unique_ptr<const SegmentTree>, kEventKinds>
+      kinds_;  ///< of these, by kind; none: there are none
 };
 
 }  // namespace samara::motion

@@ -61,6 +61,7 @@ motion::BodiesOptions options_from(const samara_bodies_options& given) {
       given.by_graph != 0 ? motion::BodiesOptions::Choice::graph : motion::BodiesOptions::Choice::chain;
   options.step = given.step;
   options.ramp = given.ramp;
+  options.tries = given.tries;
   if (given.has_ground != 0) options.ground = given.ground;
   const Eigen::Vector3d wind(given.wind[0], given.wind[1], given.wind[2]);
   if (wind != Eigen::Vector3d::Zero()) options.wind = motion::steady_wind(wind);
@@ -145,6 +146,12 @@ samara_body_state samara_bodies_state(const samara_bodies* bodies, size_t body) 
     state = static_cast<samara_body_state>(bodies->bodies.status(static_cast<Eigen::Index>(body)));
   });
   return state;
+}
+
+samara_bodies_counts samara_bodies_count(const samara_bodies* bodies) {
+  if (bodies == nullptr) return {};
+  const motion::BodyCounts& counts = bodies->bodies.counts();
+  return {counts.events, counts.planned, counts.kept, counts.drawn, counts.taken};
 }
 
 size_t samara_bodies_falling(const samara_bodies* bodies) {

@@ -44,9 +44,10 @@ typedef struct samara_bodies_options {
   int by_graph;   /* 0: next pieces are drawn from the chain of kinds, else evenly from the graph */
   double step;    /* s, at most; 0: that of the database */
   double ramp;    /* s, in which coefficients change; below 0: a quarter of the median segment */
+  int tries;      /* next pieces that are tried ahead at an event, 0 to 8: see bodies.h */
   int has_ground; /* else they fall for ever */
   double ground;  /* m, height */
-  double wind[3]; /* m/s, steady; of models in space */
+  double wind[3]; /* m/s, steady; of models that have a sibling in gusts */
   uint64_t seed;
 } samara_bodies_options;
 
@@ -74,6 +75,18 @@ samara_bodies_status samara_bodies_poses(const samara_bodies* bodies, double* po
 samara_body_state samara_bodies_state(const samara_bodies* bodies, size_t body);
 /* Bodies that fall. */
 size_t samara_bodies_falling(const samara_bodies* bodies);
+
+/* Of all events since the bodies were opened. */
+typedef struct samara_bodies_counts {
+  long events;
+  long planned; /* that ended a segment for which a piece was chosen .. */
+  long kept;    /* .. and were of its kind */
+  long drawn;   /* at which the chain drew a kind .. */
+  long taken;   /* .. and a piece of it was taken */
+} samara_bodies_counts;
+
+/* All zero of null. */
+samara_bodies_counts samara_bodies_count(const samara_bodies* bodies);
 
 #ifdef __cplusplus
 }

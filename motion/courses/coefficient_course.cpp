@@ -8,6 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
+#include "samara/base/smoothstep.h"
 #include "samara/base/version.h"
 #include "samara/identification/series/series_codebook.h"
 
@@ -16,9 +17,7 @@ namespace samara::motion {
 namespace {
 
 double share_of(const CourseKnot& knot, double t) {
-  if (t >= knot.t + knot.ramp) return 1.0;
-  const double s = (t - knot.t) / knot.ramp;
-  return s * s * (3.0 - 2.0 * s);
+  return t >= knot.t + knot.ramp ? 1.0 : smoothstep((t - knot.t) / knot.ramp);
 }
 
 void check_values(const std::vector<double>& values, std::size_t count) {
@@ -99,7 +98,7 @@ CoefficientCourse::CoefficientCourse(std::vector<std::string> names, std::vector
     if (k > 0) {
       const CourseKnot& before = knots_[k - 1];
       const double share = share_of(before, knot.t);
-      for (std::size_t j = 0; j < reached.size(); ++j) reached[j] += share * (before.values[j] - reached[j]);
+      for (std::size_t j = 0; j < reached.size(); ++j) reached[j] = gone(reached[j], before.values[j], share);
     }
     from_.push_back(reached);
   }
@@ -113,11 +112,8 @@ void CoefficientCourse::values(double t, std::span<const double>, std::span<doub
   }
   const auto k = static_cast<std::size_t>(next - knots_.begin()) - 1;
   const double share = share_of(knots_[k], t);
-  for (std::size_t j = 0; j < followed.size(); ++j) {
-    // At rest the value itself, to the last bit.
-    followed[j] =
-        share == 1.0 ? knots_[k].values[j] : from_[k][j] + share * (knots_[k].values[j] - from_[k][j]);
-  }
+  for (std::size_t j = 0; j < followed.size(); ++j)
+    followed[j] = gone(from_[k][j], knots_[k].values[j], share);
 }
 
 std::vector<double> CoefficientCourse::instants(double end) const {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,29 +21,22 @@ class SegmentTree {
   static constexpr std::size_t kMost = 32;
 
   explicit SegmentTree(const MotionDatabase& database);
-  /// Of some of its segments, in one tree: kinds cannot be asked for.
+  /// Of some of its segments.
   SegmentTree(const MotionDatabase& database, std::vector<Eigen::Index> segments);
 
   /// The segments that begin nearest to a state, each once, the nearest first.
   /// @param found as many as are wanted, kMost at most
-  /// @param kind only those
   /// @param slack as NearPoints::nearest
   /// @returns how many there are
-  std::size_t nearest(std::span<const double> state, std::span<NearSegment> found,
-                      std::optional<EventKind> kind = {}, double slack = 0.0) const;
+  std::size_t nearest(std::span<const double> state, std::span<NearSegment> found, double slack = 0.0) const;
 
   const MovingStates& moving_states() const { return moving_; }
 
  private:
-  struct Part {
-    NearPoints points;
-    std::vector<Eigen::Index> segments;  // per point
-  };
-  Part part_of(const MotionDatabase& database, const std::vector<Eigen::Index>& chosen) const;
-
   MovingStates moving_;
   StateMetric metric_;
-  std::vector<Part> parts_;  // of each kind, then of all; of chosen ones that alone
+  std::vector<Eigen::Index> segments_;  // a point for each of their copies
+  NearPoints points_;
 };
 
 }  // namespace samara::motion

@@ -122,13 +122,20 @@ void EventFinder::restart() {
 }
 
 void EventFinder::push(double t, std::span<const double> state) {
-  const BodyMotion motion = states_.at(state);
   Mark now;
   now.t = t;
-  now.square = motion.velocity.squaredNorm();
-  now.place = motion.position;
-  if (seen_ > 0) now.swept = mark(0).swept + arc(normal_, motion.normal);
-  normal_ = motion.normal;
+  now.square = states_.speed_square(state);
+  now.place = states_.place(state);
+  if (states_.has_angle()) {
+    const double angle = states_.angle(state);
+    // In the plane y = 0, theta grows by a turn about -y.
+    if (seen_ > 0) now.swept = mark(0).swept - Eigen::Vector3d(0.0, angle - angle_, 0.0);
+    angle_ = angle;
+  } else {
+    const Eigen::Vector3d normal = states_.at(state).normal;
+    if (seen_ > 0) now.swept = mark(0).swept + arc(normal_, normal);
+    normal_ = normal;
+  }
   marks_[static_cast<std::size_t>(next_)] = now;
   std::ranges::copy(
       state, samples_.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(next_) * state.size()));
@@ -174,7 +181,7 @@ void EventFinder::propose() {
     const double* sample = samples_.data() + static_cast<std::size_t>((next_ + 7 - back) % 4) * count;
     for (std::size_t i = 0; i < count; ++i) candidate_state_[i] += weight * sample[i];
   }
-  has_candidate_ = true;
+  has_candidate_ = proposes_ = true;
 }
 
 void EventFinder::end_segment(const Mark& at, bool is_steady) {
@@ -182,7 +189,6 @@ void EventFinder::end_segment(const Mark& at, bool is_steady) {
   event_.duration = at.t - begin_.t;
   event_.displacement = at.place - begin_.place;
   const Eigen::Vector3d swept = at.swept - begin_.swept;
-  // In the plane y = 0, theta grows by a turn about -y.
   double signed_turn = -swept.y();
   if (!states_.is_planar()) {
     const Eigen::Vector3d left(-event_.displacement.y(), event_.displacement.x(), 0.0);
@@ -206,6 +212,7 @@ void EventFinder::start_level(double t, double square) {
 
 bool EventFinder::see(double t, std::span<const double> state) {
   push(t, state);
+  proposes_ = false;
   const double square = mark(0).square;
   if (seen_ == 1) {
     begin_ = mark(0);

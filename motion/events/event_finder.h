@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "samara/motion/events/moving_states.h"
+#include "samara/motion/records/motion_record.h"
 
 /// Events: the instants at which a falling body turns to something else, minima of |v|^2 whose prominence is 2 % of its
 /// mean. They are where the source takes its maxima of curvature, without a division by |v|^3. Between two of them
@@ -63,12 +64,20 @@ class EventFinder {
   /// @throws ArgumentError for options outside their meaning.
   EventFinder(const MovingStates& states, const EventOptions& options);
 
+  const StateLayout& layout() const { return states_.layout(); }
+
   /// Forgets the motion.
   void restart();
 
   /// @param t greater than before
   /// @returns whether there is an event
   bool see(double t, std::span<const double> state);
+
+  /// Whether the state before the one that was seen last is the slowest yet of what may turn out to be an event: the
+  /// step beside its minimum.
+  bool proposes() const { return proposes_; }
+  /// Whether the state that was seen last is slower than the one before, and may come to be proposed.
+  bool is_slowing() const { return seen_ > 1 && mark(0).square < mark(1).square; }
 
   const Event& event() const { return event_; }
   /// The state at the event.
@@ -98,9 +107,10 @@ class EventFinder {
   std::array<Mark, 4> marks_ = {};
   std::vector<double> samples_;  // the states of marks_
   int next_ = 0, seen_ = 0;
-  Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();  // of the state that was seen last, or its angle
+  double angle_ = 0.0;
   Mark begin_, candidate_;
-  bool has_candidate_ = false, is_first_ = true;
+  bool has_candidate_ = false, proposes_ = false, is_first_ = true;
   double high_ = 0.0;
   double level_since_ = 0.0, level_least_ = 0.0, level_most_ = 0.0;  // |v|^2 where it hardly changes
   std::vector<double> candidate_state_, event_state_;

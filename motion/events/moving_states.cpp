@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -14,38 +13,18 @@ namespace samara::motion {
 
 namespace {
 
-std::optional<std::size_t> moving_state(const models::ModelInfo& info, const std::string& name) {
-  const auto it = std::ranges::find(info.states, name, &models::StateInfo::name);
-  if (it == info.states.end()) return {};
-  return static_cast<std::size_t>(it - info.states.begin());
-}
-
-/// Index of the first of these states, if they follow each other.
-std::optional<std::size_t> row_of_states(const models::ModelInfo& info, std::span<const char* const> names) {
-  const auto first = moving_state(info, names.front());
-  if (!first) return {};
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    if (moving_state(info, names[k]) != *first + k) return {};
-  }
-  return first;
-}
-
-constexpr std::array kAttitude = {"qw", "qx", "qy", "qz"};
-constexpr std::array kVelocity = {"ux", "uy", "uz"};
-constexpr std::array kRate = {"wx", "wy", "wz"};
-constexpr std::array kPlanarVelocity = {"vx", "vy"};
-
 struct UnitQuaternion {
   double w, x, y, z;
 };
 
-UnitQuaternion unit_quaternion(const double* q) {
-  const double scale = 1.0 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  return {scale * q[0], scale * q[1], scale * q[2], scale * q[3]};
+UnitQuaternion unit_quaternion(std::span<const double> state, const std::array<std::size_t, 4>& at) {
+  const double w = state[at[0]], x = state[at[1]], y = state[at[2]], z = state[at[3]];
+  const double scale = 1.0 / std::sqrt(w * w + x * x + y * y + z * z);
+  return {scale * w, scale * x, scale * y, scale * z};
 }
 
 /// q v q*, by 2 r x (w v + r x v).
-Eigen::Vector3d turned_to_world(const UnitQuaternion& q, const double* v) {
+Eigen::Vector3d turned_to_world(const UnitQuaternion& q, const Eigen::Vector3d& v) {
   const double cx = q.y * v[2] - q.z * v[1] + q.w * v[0];
   const double cy = q.z * v[0] - q.x * v[2] + q.w * v[1];
   const double cz = q.x * v[1] - q.y * v[0] + q.w * v[2];
@@ -73,31 +52,20 @@ void half_turn_about(int axis, std::span<double> reduced) {
 
 MovingStates::MovingStates(const models::ModelInfo& info, BodySymmetry symmetry)
     : count_(info.states.size()), symmetry_(symmetry) {
-  const auto x = moving_state(info, "x"), y = moving_state(info, "y"), z = moving_state(info, "z");
-  const auto q = row_of_states(info, kAttitude), u = row_of_states(info, kVelocity),
-             w = row_of_states(info, kRate);
-  const auto theta = moving_state(info, "theta"), spin = moving_state(info, "w"),
-             v = row_of_states(info, kPlanarVelocity);
-  const bool spatial = x && y && z && q && u && w;
-  planar_ = !spatial && x && y && theta && spin && v;
-  if (!spatial && !planar_) {
+  const auto layout = StateLayout::of(info);
+  if (!layout || !layout->has_velocities) {
     throw ArgumentError(
         fmt::format("model \"{}\" has no states x, y, z, qw, .., ux, .., wx, .. of a body in space, nor x, "
                     "y, theta, vx, vy, w "
                     "of one in a plane: its motions have no events",
                     info.name));
   }
-  const bool fits = symmetry == BodySymmetry::none || planar_ == (symmetry == BodySymmetry::half_turn);
+  layout_ = *layout;
+  const bool fits = symmetry == BodySymmetry::none || is_planar() == (symmetry == BodySymmetry::half_turn);
   if (!fits) {
     throw ArgumentError(fmt::format("model \"{}\" moves in {}, which the symmetry given is not of", info.name,
-                                    planar_ ? "a plane" : "space"));
+                                    is_planar() ? "a plane" : "space"));
   }
-  x_ = *x;
-  y_ = *y;
-  z_ = planar_ ? *y : *z;
-  attitude_ = planar_ ? *theta : *q;
-  velocity_ = planar_ ? *v : *u;
-  rate_ = planar_ ? *spin : *w;
 }
 
 MovingStates MovingStates::of(const models::Model& model, std::span<const double> parameters) {
@@ -121,9 +89,21 @@ MovingStates MovingStates::of(const models::Model& model, std::span<const double
 MovingStates MovingStates::of_record(bool is_planar) {
   MovingStates states;
   states.count_ = 9;
-  states.planar_ = is_planar;
+  states.layout_.is_planar = is_planar;
   states.is_of_record_ = true;
   return states;
+}
+
+Eigen::Vector3d MovingStates::place(std::span<const double> state) const {
+  if (is_of_record_) return {state[0], state[1], state[2]};
+  return layout_.place(state);
+}
+
+double MovingStates::speed_square(std::span<const double> state) const {
+  if (is_of_record_) return Eigen::Map<const Eigen::Vector3d>(state.data() + 3).squaredNorm();
+  double sum = 0.0;
+  for (const std::size_t i : layout_.velocities()) sum += state[i] * state[i];
+  return sum;
 }
 
 BodyMotion MovingStates::at(std::span<const double> state) const {
@@ -134,40 +114,39 @@ BodyMotion MovingStates::at(std::span<const double> state) const {
     motion.normal = Eigen::Map<const Eigen::Vector3d>(state.data() + 6);
     return motion;
   }
-  if (planar_) {
-    const double s = std::sin(state[attitude_]), c = std::cos(state[attitude_]);
-    const double vx = state[velocity_], vy = state[velocity_ + 1];
-    motion.position = {state[x_], 0.0, state[y_]};
+  const auto& v = layout_.velocity;
+  motion.position = layout_.place(state);
+  if (is_planar()) {
+    const double s = std::sin(angle(state)), c = std::cos(angle(state));
+    const double vx = state[v[0]], vy = state[v[1]];
     motion.velocity = {vx * c - vy * s, 0.0, vx * s + vy * c};
     motion.normal = {-s, 0.0, c};
     return motion;
   }
-  const UnitQuaternion q = unit_quaternion(state.data() + attitude_);
-  constexpr std::array<double, 3> kNormal = {0.0, 0.0, 1.0};
-  motion.position = {state[x_], state[y_], state[z_]};
-  motion.velocity = turned_to_world(q, state.data() + velocity_);
-  motion.normal = turned_to_world(q, kNormal.data());
+  const UnitQuaternion q = unit_quaternion(state, layout_.attitude);
+  motion.velocity = turned_to_world(q, {state[v[0]], state[v[1]], state[v[2]]});
+  motion.normal = turned_to_world(q, Eigen::Vector3d::UnitZ());
   return motion;
 }
 
 void MovingStates::reduce(std::span<const double> state, std::span<double> reduced) const {
-  if (planar_) {
-    const double angle = (symmetry_ == BodySymmetry::half_turn ? 2.0 : 1.0) * state[attitude_];
-    reduced[0] = state[velocity_];
-    reduced[1] = state[velocity_ + 1];
-    reduced[2] = state[rate_];
+  const auto &v = layout_.velocity, &w = layout_.rate;
+  if (is_planar()) {
+    const double angle = (symmetry_ == BodySymmetry::half_turn ? 2.0 : 1.0) * state[layout_.attitude[0]];
+    reduced[0] = state[v[0]];
+    reduced[1] = state[v[1]];
+    reduced[2] = state[w[0]];
     reduced[3] = std::sin(angle);
     reduced[4] = std::cos(angle);
     return;
   }
-  const UnitQuaternion q = unit_quaternion(state.data() + attitude_);
+  const UnitQuaternion q = unit_quaternion(state, layout_.attitude);
   const UnitQuaternion back = {q.w, -q.x, -q.y, -q.z};
-  constexpr std::array<double, 3> kDown = {0.0, 0.0, -1.0};
-  const Eigen::Vector3d down = turned_to_world(back, kDown.data());
+  const Eigen::Vector3d down = turned_to_world(back, -Eigen::Vector3d::UnitZ());
   for (std::size_t k = 0; k < 3; ++k) {
     reduced[k] = down[static_cast<Eigen::Index>(k)];
-    reduced[3 + k] = state[velocity_ + k];
-    reduced[6 + k] = state[rate_ + k];
+    reduced[3 + k] = state[v[k]];
+    reduced[6 + k] = state[w[k]];
   }
   if (symmetry_ != BodySymmetry::disc) return;
   const double across = std::hypot(reduced[3], reduced[4]);
@@ -195,7 +174,7 @@ int MovingStates::copies() const {
 
 void MovingStates::turn_to_copy(int k, std::span<double> reduced) const {
   if (k == 0) return;
-  if (planar_) {
+  if (is_planar()) {
     reduced[0] = -reduced[0];
     reduced[1] = -reduced[1];
     return;

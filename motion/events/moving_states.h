@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "samara/models/interface/model.h"
-#include "samara/motion/records/motion_record.h"
+#include "samara/motion/records/state_layout.h"
 
 /// What of a model's states matters for where a motion can go on: place, velocity and attitude, and the state that
 /// is left when translation, yaw and the body's symmetries are taken away.
@@ -41,15 +41,23 @@ class MovingStates {
   /// Of records: place, velocity and normal, nine numbers. They have no reduced states.
   static MovingStates of_record(bool is_planar);
 
-  bool is_planar() const { return planar_; }
+  bool is_planar() const { return layout_.is_planar; }
   std::size_t state_count() const { return count_; }
+  /// Of states of a model.
+  const StateLayout& layout() const { return layout_; }
   BodySymmetry symmetry() const { return symmetry_; }
 
   BodyMotion at(std::span<const double> state) const;
+  /// Parts of that, for less.
+  Eigen::Vector3d place(std::span<const double> state) const;
+  double speed_square(std::span<const double> state) const;
+  /// Whether the attitude is an angle in a plane, and that: theta, which may have gone round many times.
+  bool has_angle() const { return is_planar() && !is_of_record_; }
+  double angle(std::span<const double> state) const { return state[layout_.attitude[0]]; }
 
   /// 5 in the plane: vx, vy, w, then sine and cosine of 2 theta (of theta, without symmetry). 9 in space: the unit
   /// vector downward in body axes, u, w; of a disc in axes whose x lies along the velocity across its normal.
-  int reduced_size() const { return planar_ ? 5 : 9; }
+  int reduced_size() const { return is_planar() ? 5 : 9; }
   void reduce(std::span<const double> state, std::span<double> reduced) const;
 
   /// Reduced states that are the same motion: 1, 2 or 4, the first being the state itself.
@@ -61,11 +69,9 @@ class MovingStates {
   MovingStates() = default;
 
   std::size_t count_ = 0;
-  bool planar_ = false;
   bool is_of_record_ = false;
   BodySymmetry symmetry_ = BodySymmetry::none;
-  /// Indices of x; y or z; theta or qw; the first velocity; the first rate.
-  std::size_t x_ = 0, y_ = 0, z_ = 0, attitude_ = 0, velocity_ = 0, rate_ = 0;
+  StateLayout layout_;
 };
 
 /// How far apart two reduced states are: the Euclidean distance of them times weights. In the plane vx, vy and w over

@@ -10,6 +10,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
+#include "samara/motion/events/event_finder.h"
 #include "samara/motion/ghost/bounded_quadratic.h"
 #include "samara/motion/records/motion_record.h"
 
@@ -19,21 +20,19 @@ namespace {
 
 using models::ModelInfo;
 
-const std::vector<std::string> kPlanar = {"x", "y", "theta", "vx", "vy", "w"};
-const std::vector<std::string> kSpatial = {"x",  "y",  "z",  "qw", "qx", "qy", "qz",
-                                           "ux", "uy", "uz", "wx", "wy", "wz"};
-
 /// Where a model holds the numbers of a pose, then those of the velocities.
 std::vector<Eigen::Index> places_of(const ModelInfo& info, bool planar) {
+  const auto layout = StateLayout::of(info);
+  if (!layout || !layout->has_velocities || layout->is_planar != planar) {
+    throw ArgumentError(fmt::format(
+        "the path is one in {}, and the states of model \"{}\" are not those of such a body, {}, alone",
+        planar ? "a plane" : "space", info.name,
+        planar ? "x, y, theta, vx, vy, w" : "x, y, z, qw, qx, qy, qz, ux, uy, uz, wx, wy, wz"));
+  }
   std::vector<Eigen::Index> places;
-  for (const std::string& name : planar ? kPlanar : kSpatial) {
-    const auto found = std::ranges::find(info.states, name, &models::StateInfo::name);
-    if (found == info.states.end()) {
-      throw ArgumentError(fmt::format(
-          "the path is one {}, and model \"{}\" has no state \"{}\": a model with the states {} was expected",
-          planar ? "in a plane" : "in space", info.name, name, fmt::join(planar ? kPlanar : kSpatial, ", ")));
-    }
-    places.push_back(found - info.states.begin());
+  for (const auto& indices :
+       {layout->positions(), layout->attitudes(), layout->velocities(), layout->rates()}) {
+    for (const std::size_t i : indices) places.push_back(static_cast<Eigen::Index>(i));
   }
   if (places.size() != info.states.size()) {
     throw ArgumentError(fmt::format(
@@ -90,27 +89,17 @@ class BodyOnPath {
     constant = wrench_of(rates_.accelerations.row(k).transpose() - velocity_part(rest));
   }
 
-  /// Minima of speed that stand out by 2 % of the mean square.
-  int events() const {
-    const Eigen::Index linear = path_.is_planar() ? 2 : 3;
-    const Eigen::VectorXd squares = rates_.velocities.leftCols(linear).rowwise().squaredNorm();
-    const double prominence = 0.02 * squares.mean();
+  /// As databases have them, at the mean square speed of this path.
+  int events() {
+    const double square =
+        rates_.velocities.leftCols(path_.is_planar() ? 2 : 3).rowwise().squaredNorm().mean();
+    if (!(square > 0.0)) return 0;
+    EventFinder finder(MovingStates(model_.info(), BodySymmetry::none),
+                       event_options(square, 2.0 * semi_length_));
     int count = 0;
-    double low = squares[0], high = squares[0];
-    bool falling = false;
-    for (Eigen::Index k = 0; k < squares.size(); ++k) {
-      if (falling) {
-        low = std::min(low, squares[k]);
-        if (squares[k] < low + prominence) continue;
-        ++count;
-        falling = false;
-        high = squares[k];
-      } else {
-        high = std::max(high, squares[k]);
-        if (squares[k] > high - prominence) continue;
-        falling = true;
-        low = squares[k];
-      }
+    for (Eigen::Index k = 0; k < frames(); ++k) {
+      set_state(k);
+      count += finder.see(time(k), span(x_));
     }
     return count;
   }

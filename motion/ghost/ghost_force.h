@@ -66,7 +66,7 @@ struct GhostForce {
 
   double net_weight = 0.0;   ///< the unit of force [N; N/m of a planar model]
   double semi_length = 0.0;  ///< the unit of lengths in torques [m]
-  int events = 0;            ///< minima of speed
+  int events = 0;            ///< as EventFinder has them
 };
 
 /// @param model all of whose parameters are fixed; coefficients that change are those of a following() model

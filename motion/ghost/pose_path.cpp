@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/motion/records/state_layout.h"
 
 namespace samara::motion {
 
@@ -133,37 +134,17 @@ void spatial_rates(const PosePath& path, Eigen::Index frame, const DerivativeWei
   acceleration << (here.conjugate() * p2 - w.cross(u)).transpose(), weights.second.transpose() * turns;
 }
 
-template <std::size_t N>
-PosePath path_by_names(const std::array<const char*, N>& names, const models::ModelInfo& model,
-                       const Eigen::VectorXd& times, const Eigen::MatrixXd& states) {
-  PosePath path{.times = times, .poses = Eigen::MatrixXd(states.rows(), static_cast<Eigen::Index>(N))};
-  for (std::size_t k = 0; k < N; ++k) {
-    Eigen::Index column = -1;
-    for (std::size_t i = 0; i < model.states.size(); ++i) {
-      if (model.states[i].name == names[k]) column = static_cast<Eigen::Index>(i);
-    }
-    if (column < 0) {
-      throw ArgumentError(fmt::format(
-          "model \"{}\" has no state \"{}\": it moves no body in a plane or in space", model.name, names[k]));
-    }
-    path.poses.col(static_cast<Eigen::Index>(k)) = states.col(column);
-  }
-  return path;
-}
-
-bool has_state(const models::ModelInfo& model, const std::string& name) {
-  for (const models::StateInfo& state : model.states) {
-    if (state.name == name) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 PosePath path_of(const models::ModelInfo& model, const Eigen::VectorXd& times,
                  const Eigen::MatrixXd& states) {
-  if (has_state(model, "qw")) return path_by_names(kSpatialPose, model, times, states);
-  return path_by_names(kPlanarPose, model, times, states);
+  const auto layout = StateLayout::of(model);
+  if (!layout)
+    throw ArgumentError(fmt::format("model \"{}\" moves no body in a plane or in space", model.name));
+  std::vector<Eigen::Index> columns;
+  for (const auto& indices : {layout->positions(), layout->attitudes()})
+    columns.insert(columns.end(), indices.begin(), indices.end());
+  return {.times = times, .poses = states(Eigen::all, columns)};
 }
 
 PosePath path_of(const identification::Capture& capture) {

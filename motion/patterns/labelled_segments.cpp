@@ -128,7 +128,11 @@ SegmentAgreement compare(const std::vector<LabelledSegment>& segments, const std
   for (const auto& [word, patterns] : words) result.words.push_back(word);
   result.words.emplace_back("other");
   std::vector<int> truth, answer;
+  const std::vector<std::string> known(result.words.begin(), result.words.end() - 1);
   for (const LabelledSegment& segment : segments) {
+    if (!words.contains(segment.label))
+      throw ArgumentError(fmt::format("a label of capture \"{}\" is \"{}\", which stands for nothing{}",
+                                      segment.capture, segment.label, suggestion(segment.label, known)));
     const PatternLabel label = label_of(segment, captures, length, thresholds);
     int theirs = 0, ours = static_cast<int>(words.size()), k = 0;
     for (const auto& [word, patterns] : words) {

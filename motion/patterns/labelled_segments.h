@@ -42,7 +42,7 @@ struct SegmentAgreement {
 /// The rule on each segment by itself, without settling time.
 /// @param length m, of the body; 0: not known
 /// @throws ArgumentError for a segment of an unknown capture (the nearest is named), of several, or beyond its
-/// frames.
+/// frames, and for a word that stands for nothing.
 SegmentAgreement compare(const std::vector<LabelledSegment>& segments,
                          const std::vector<identification::Capture>& captures,
                          const PatternClasses& classes = {}, double length = 0.0,

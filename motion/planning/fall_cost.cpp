@@ -17,8 +17,7 @@ double price_of_kinds(const PlannedFall& fall, const FallPoint& point) {
   if (!sequence) return 0.0;
   const double asked = static_cast<double>(sequence->segments.size());
   const double segments = std::max(0, point.events - 1);
-  const double missing =
-      fall.is_over(point.t, point.height) ? std::max(0.0, asked - segments) : 0.0;
+  const double missing = fall.is_over(point.t, point.height) ? std::max(0.0, asked - segments) : 0.0;
   const double counted = (sequence->chain ? segments : std::min(segments, asked)) + missing;
   if (counted == 0.0) return 0.0;
   const double price = sequence->is_of_patterns() ? MotionSequence::kUnseenPrice : 1.0;

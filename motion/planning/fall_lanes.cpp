@@ -32,14 +32,11 @@ std::vector<double> natural_of(const MotionPlan& plan) {
   return natural;
 }
 
-/// Of the body, or of a body in a plane.
-std::vector<std::size_t> velocity_places(const models::ModelInfo& info) {
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < info.states.size(); ++i) {
-    const std::string& name = info.states[i].name;
-    if (name == "vx" || name == "vy" || name == "ux" || name == "uy" || name == "uz") places.push_back(i);
-  }
-  return places;
+/// Events are those of the database, or those of a motion at the velocity scale.
+EventFinder finder_of(const MotionPlan& plan) {
+  const double speed = plan.scales().velocity;
+  return {MovingStates(plan.model->info(), BodySymmetry::none),
+          plan.database ? plan.database->events : event_options(speed * speed, 2.0 * plan.semi_length())};
 }
 
 }  // namespace
@@ -66,19 +63,16 @@ double MotionPlan::steps() const {
 
 bool MotionPlan::sinks() const {
   const models::ParametricModel natural(model, fixed, {});
-  const models::ModelInfo& info = model->info();
   std::vector<double> state(static_cast<std::size_t>(natural.state_count())), rate(state.size());
   natural.initial({}, state);
-  const std::vector<std::size_t> velocities = velocity_places(info);
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    const std::string& name = info.states[i].name;
-    if (name.starts_with('w') || std::ranges::find(velocities, i) != velocities.end()) state[i] = 0.0;
-  }
+  const MovingStates moving(model->info(), BodySymmetry::none);
+  for (const std::size_t i : moving.layout().velocities()) state[i] = 0.0;
+  for (const std::size_t i : moving.layout().rates()) state[i] = 0.0;
   auto workspace = natural.make_workspace();
   natural.rhs(0.0, state, {}, rate, workspace);
   // At rest the rates of the velocities along body axes are the acceleration: in the place of these it is turned alike.
-  for (const std::size_t i : velocities) state[i] = rate[i];
-  return MovingStates(info, BodySymmetry::none).at(state).velocity.z() < 0.0;
+  for (const std::size_t i : moving.layout().velocities()) state[i] = rate[i];
+  return moving.at(state).velocity.z() < 0.0;
 }
 
 PlannedFall::PlannedFall(const MotionPlan& plan)
@@ -87,20 +81,12 @@ PlannedFall::PlannedFall(const MotionPlan& plan)
       natural_(natural_of(plan)),
       model_(model_of(plan)),
       states_(plan.model->info()),
-      velocity_(velocity_places(plan.model->info())),
-      semi_length_(plan.semi_length()) {
-  const models::Scales scales = plan.scales();
-  prominence_ = 0.02 * scales.velocity * scales.velocity;
-  longest_piece_ = kLongestPiece * semi_length_ / scales.velocity;
+      semi_length_(plan.semi_length()),
+      longest_piece_(kLongestPiece * semi_length_ / plan.scales().velocity),
+      turbulence_factor_(motion::turbulence_factor(plan)),
+      finder_(finder_of(plan)) {
   release_height_ = release().height;
-  turbulence_factor_ = motion::turbulence_factor(plan);
   if (plan.database) choices_.emplace(plan);
-  if (plan.sequence) {
-    const MovingStates moving(plan.model->info(), BodySymmetry::none);
-    events_.emplace(moving, plan.database
-                                ? plan.database->events
-                                : event_options(scales.velocity * scales.velocity, 2.0 * semi_length_));
-  }
   if (!plan.landing || plan.sketch) return;
   const Eigen::Vector3d start = states_.position(release().state);
   if (!(start.z() > plan.ground)) return;
@@ -142,27 +128,6 @@ Eigen::Vector3d PlannedFall::off_course(const FallPoint& point) const {
   return place - way_->target(point.t, place);
 }
 
-double PlannedFall::speed_square(std::span<const double> state) const {
-  double sum = 0.0;
-  for (const std::size_t i : velocity_) sum += state[i] * state[i];
-  return sum;
-}
-
-SpeedMinimum::Seen SpeedMinimum::look(double speed_square) {
-  if (!falling_) {
-    high_ = std::max(high_, speed_square);
-    if (speed_square > high_ - prominence_) return Seen::nothing;
-    falling_ = true;
-    low_ = speed_square;
-    return Seen::lowest;
-  }
-  if (speed_square < low_) {
-    low_ = speed_square;
-    return Seen::lowest;
-  }
-  return speed_square < low_ + prominence_ ? Seen::nothing : Seen::confirmed;
-}
-
 Roaming::Roaming(const PlannedFall& fall)
     : fall_(fall),
       rate_(static_cast<std::size_t>(fall.model().state_count())),
@@ -173,29 +138,25 @@ void Roaming::at(double t, std::span<const double> state, std::span<const double
                  Eigen::VectorXd& difference) {
   fall_.model().rhs(t, state, coefficients, rate_, workspace_);
   fall_.model().rhs(t, state, fall_.natural(), natural_rate_, workspace_);
-  const std::vector<std::size_t>& places = fall_.velocities();
+  const auto places = fall_.finder().layout().velocities();
   difference.resize(static_cast<Eigen::Index>(places.size()));
   for (std::size_t k = 0; k < places.size(); ++k)
     difference[static_cast<Eigen::Index>(k)] = rate_[places[k]] - natural_rate_[places[k]];
 }
 
 struct FallLanes::Rider {
+  explicit Rider(const EventFinder& empty) : finder(empty) {}
+
   std::size_t number = 0;
   bool rides = false;
   const Continuation* continuation = nullptr;
   double square_time = 0.0;
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
-  SpeedMinimum minimum{0.0};
-  std::optional<EventFinder> events;  ///< in the place of `minimum` where kinds are asked for
-  double speed_square = 0.0;
-  bool slows = false;
-  std::vector<FallPoint> minima;  ///< of the speed, so far; the first `minima_count` of them
-  std::size_t minima_count = 0;
+  EventFinder finder;
   int steps = 0, looks = 0;
-  double roaming = 0.0;  ///< sum over the looks
-  FallPoint lowest;      ///< the last one; of a piece that has ended, its end
-  FallEnd end = FallEnd::decision;
-  bool has_event = false;
+  double roaming = 0.0;     ///< sum over the looks
+  FallPoint here, slowest;  ///< the last step that was slower than the one before, and the slowest of them
+  FallPiece piece;          ///< once it has ended
 };
 
 FallLanes::FallLanes(const PlannedFall& fall)
@@ -220,18 +181,8 @@ void FallLanes::board(Rider& rider, Eigen::Index lane, const Continuation& conti
   rider.steps = rider.looks = 0;
   rider.roaming = 0.0;
   rider.deviation = from.deviation;
-  rider.has_event = false;
-  if (fall_.events()) {
-    if (!rider.events) rider.events = fall_.events();
-    rider.events->restart();
-    rider.events->see(from.t, from.state);
-    rider.speed_square = fall_.speed_square(from.state);
-    rider.slows = false;
-    rider.minima_count = 0;
-    return;
-  }
-  rider.minimum = SpeedMinimum(fall_.prominence());
-  rider.minimum.look(fall_.speed_square(from.state));
+  rider.finder.restart();
+  rider.finder.see(from.t, from.state);
 }
 
 /// Into what is there already: this happens at most steps.
@@ -247,37 +198,6 @@ void FallLanes::put_point(const Rider& rider, Eigen::Index lane, FallPoint& poin
   point.acceleration_square = rider.looks > 0 ? rider.roaming / rider.looks : 0.0;
 }
 
-/// The event lies some steps back: between two of them, at a minimum of the speed that was kept.
-bool FallLanes::is_event(Rider& rider, Eigen::Index lane) {
-  const double square = fall_.speed_square(state_);
-  if (square < rider.speed_square) {
-    if (!rider.slows && rider.minima_count == rider.minima.size()) rider.minima.emplace_back();
-    put_point(rider, lane, rider.minima[rider.minima_count]);
-    rider.slows = true;
-  } else if (rider.slows) {
-    ++rider.minima_count;
-    rider.slows = false;
-  }
-  rider.speed_square = square;
-  if (!rider.events->see(stepper_.time(lane), state_)) return false;
-  rider.has_event = true;
-  const Event& event = rider.events->event();
-  if (event.is_steady || rider.minima_count == 0) {
-    put_point(rider, lane, rider.lowest);
-    return true;
-  }
-  const auto apart = [&](const FallPoint& point) { return std::abs(point.t - event.t); };
-  rider.lowest = *std::ranges::min_element(std::span(rider.minima).first(rider.minima_count), {}, apart);
-  return true;
-}
-
-bool FallLanes::is_decided(Rider& rider, Eigen::Index lane) {
-  if (rider.events) return is_event(rider, lane);
-  const SpeedMinimum::Seen seen = rider.minimum.look(fall_.speed_square(state_));
-  if (seen == SpeedMinimum::Seen::lowest) put_point(rider, lane, rider.lowest);
-  return seen == SpeedMinimum::Seen::confirmed;
-}
-
 bool FallLanes::look(Rider& rider, Eigen::Index lane) {
   stepper_.read(lane, state_);
   const double t = stepper_.time(lane);
@@ -291,26 +211,37 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
     rider.roaming += difference_.squaredNorm();
     ++rider.looks;
   }
-  const auto end_here = [&](FallEnd how) {
-    put_point(rider, lane, rider.lowest);
-    rider.end = how;
-    return true;
-  };
-  if (!stepper_.finite(lane)) return end_here(FallEnd::not_finite);
-  if (fall_.is_over(t, place.z())) return end_here(FallEnd::ground);
-  if (is_decided(rider, lane)) {
-    rider.end = FallEnd::decision;
+  if (!stepper_.finite(lane)) return end_piece(rider, lane, FallEnd::not_finite);
+  const bool is_event = rider.finder.see(t, state_);
+  if (rider.finder.proposes()) std::swap(rider.slowest, rider.here);
+  if (rider.finder.is_slowing()) put_point(rider, lane, rider.here);
+  if (fall_.is_over(t, place.z())) return end_piece(rider, lane, FallEnd::ground);
+  if (is_event) {
+    end_piece(rider, lane, FallEnd::decision);
+    rider.piece.has_event = true;
+    if (rider.finder.event().is_steady) return true;
+    rider.piece.kind = rider.finder.event().kind;
+    rider.piece.to = rider.slowest;
     return true;
   }
-  // Where kinds are asked for the finder ends segments that are steady; this is for what is neither.
-  const double longest = (rider.events ? 4.0 : 1.0) * fall_.longest_piece();
+  // Where kinds are asked for a segment is not cut but by an event.
+  const double longest = (fall_.plan().sequence ? 4.0 : 1.0) * fall_.longest_piece();
   if (t - rider.continuation->from->t < longest) return false;
-  return end_here(FallEnd::decision);
+  return end_piece(rider, lane, FallEnd::decision);
+}
+
+/// Where it is now.
+bool FallLanes::end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const {
+  put_point(rider, lane, rider.piece.to);
+  rider.piece.end = how;
+  rider.piece.has_event = false;
+  rider.piece.kind.reset();
+  return true;
 }
 
 void FallLanes::run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,
                     SharedProgress& progress) {
-  std::vector<Rider> riders(static_cast<std::size_t>(kLanes));
+  std::vector<Rider> riders(static_cast<std::size_t>(kLanes), Rider(fall_.finder()));
   std::size_t next = 0, riding = 0;
   for (Eigen::Index lane = 0; lane < kLanes && next < continuations.size(); ++lane) {
     Rider& rider = riders[static_cast<std::size_t>(lane)];
@@ -323,9 +254,7 @@ void FallLanes::run(std::span<const Continuation> continuations, std::span<FallP
     for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
       Rider& rider = riders[static_cast<std::size_t>(lane)];
       if (!rider.rides || !look(rider, lane)) continue;
-      FallPiece& piece = pieces[rider.number];
-      piece = {.to = rider.lowest, .end = rider.end, .has_event = rider.has_event};
-      if (rider.has_event && !rider.events->event().is_steady) piece.kind = rider.events->event().kind;
+      pieces[rider.number] = rider.piece;
       if (next < continuations.size()) {
         rider.number = next;
         board(rider, lane, continuations[next++]);

@@ -35,15 +35,15 @@ struct FallPoint {
 };
 
 enum class FallEnd {
-  decision,  ///< a minimum of speed, an event, or none for long
+  decision,  ///< an event, or none for long
   ground,    ///< or the time that the plan gives
   not_finite,
 };
 
 struct FallPiece {
-  FallPoint to;
+  FallPoint to;  ///< at an event, the step beside it
   FallEnd end = FallEnd::not_finite;
-  bool has_event = false;              ///< where kinds are asked for: whether a segment has ended
+  bool has_event = false;              ///< whether a segment has ended
   std::optional<EventKind> kind = {};  ///< of that segment; none: it is steady
 };
 
@@ -59,14 +59,12 @@ class PlannedFall {
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<double>& natural() const { return natural_; }
   double semi_length() const { return semi_length_; }
-  /// A rise of the squared speed that makes the minimum before it an event.
-  double prominence() const { return prominence_; }
+  /// What looks for the events of its motions, as those of databases are found: new, to be copied.
+  const EventFinder& finder() const { return finder_; }
   /// A decision is due after so long without an event.
   double longest_piece() const { return longest_piece_; }
   double release_height() const { return release_height_; }
   double turbulence_factor() const { return turbulence_factor_; }  ///< see fall_cost.h
-  /// Where the plan has a sequence: what finds events and kinds, ready to be copied. Decisions fall at events then.
-  const std::optional<EventFinder>& events() const { return events_; }
   /// Of the plan's database, if it has one.
   const std::optional<SegmentChoices>& choices() const { return choices_; }
   /// What the next segment is asked to be; none where nothing is.
@@ -78,9 +76,6 @@ class PlannedFall {
   Eigen::Vector3d deviation(double t, const Eigen::Vector3d& position) const;
   /// From the straight way to the landing place; zero where none is asked for, or a sketch leads there.
   Eigen::Vector3d off_course(const FallPoint& point) const;
-  double speed_square(std::span<const double> state) const;
-  /// Which states are velocities.
-  const std::vector<std::size_t>& velocities() const { return velocity_; }
 
  private:
   const MotionPlan& plan_;
@@ -89,10 +84,8 @@ class PlannedFall {
   std::vector<double> natural_;
   models::ParametricModel model_;
   MotionStates states_;
-  std::vector<std::size_t> velocity_;
-  double semi_length_ = 1.0, prominence_ = 0.0, longest_piece_ = 0.0, release_height_ = 0.0,
-         turbulence_factor_ = 0.0;
-  std::optional<EventFinder> events_;
+  double semi_length_ = 1.0, longest_piece_ = 0.0, release_height_ = 0.0, turbulence_factor_ = 0.0;
+  EventFinder finder_;
   std::optional<SegmentChoices> choices_;
 };
 
@@ -108,21 +101,6 @@ class Roaming {
   const PlannedFall& fall_;
   std::vector<double> rate_, natural_rate_;
   models::ParametricModel::Workspace workspace_;
-};
-
-/// A minimum that a rise has confirmed.
-class SpeedMinimum {
- public:
-  explicit SpeedMinimum(double prominence) : prominence_(prominence) {}
-
-  enum class Seen { nothing, lowest, confirmed };
-  /// The squared speed of the next instant; `lowest`: this one may become the minimum; `confirmed`: the last lowest was.
-  Seen look(double speed_square);
-
- private:
-  double prominence_;
-  double high_ = -1.0, low_ = 0.0;
-  bool falling_ = false;
 };
 
 /// How a fall goes on.
@@ -145,9 +123,7 @@ class FallLanes {
   void board(Rider& rider, Eigen::Index lane, const Continuation& continuation);
   /// @returns whether the piece of this lane has ended
   bool look(Rider& rider, Eigen::Index lane);
-  /// The end of a piece at an event, if it is certain now.
-  bool is_decided(Rider& rider, Eigen::Index lane);
-  bool is_event(Rider& rider, Eigen::Index lane);
+  bool end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const;
   void put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const;
 
   const PlannedFall& fall_;

@@ -16,13 +16,13 @@ class Replay {
         knots_(knots),
         lane_(fall.model(), fall.names(), 1),
         roaming_(fall),
-        events_(fall.events()),
+        events_(fall.finder()),
         now_(start),
         begin_(start) {
     lane_.load(0, fall.natural());
     lane_.set_state(0, start.t, start.state);
     lane_.set_parameters(0, start.coefficients);
-    if (events_) events_->see(start.t, start.state);
+    events_.see(start.t, start.state);
   }
 
   ReplayedFall run() {
@@ -78,8 +78,8 @@ class Replay {
       roaming_sum_ += difference_.squaredNorm();
       ++looks_;
     }
-    if (!events_ || !events_->see(now_.t, now_.state)) return;
-    const Event& event = events_->event();
+    if (!events_.see(now_.t, now_.state)) return;
+    const Event& event = events_.event();
     found_.push_back({event.t, event.is_steady ? std::optional<EventKind>() : event.kind});
   }
 
@@ -98,7 +98,7 @@ class Replay {
   const std::vector<CourseKnot>& knots_;
   models::Stepper lane_;
   Roaming roaming_;
-  std::optional<EventFinder> events_;
+  EventFinder events_;
   FallPoint now_, begin_;
   int steps_ = 0, looks_ = 0;
   double roaming_sum_ = 0.0;

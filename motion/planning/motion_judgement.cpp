@@ -122,9 +122,9 @@ Distances distances_of(const MotionPlan& plan, const RealisedFall& real, const s
 }  // namespace
 
 EventList events_of_motion(const PlannedFall& fall, const RealisedFall& real) {
-  if (!fall.events()) return {};
+  if (!fall.plan().sequence) return {};
   const Eigen::MatrixXd states = real.states.transpose();
-  EventFinder finder = *fall.events();
+  EventFinder finder = fall.finder();
   EventList list;
   for (Eigen::Index k = 0; k < states.cols(); ++k) {
     if (finder.see(real.times[k], {states.col(k).data(), static_cast<std::size_t>(states.rows())}))

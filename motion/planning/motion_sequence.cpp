@@ -194,8 +194,9 @@ class SequenceReader {
     if (!length) {
       if (named.symbols != event_kind_names())
         throw table_.error(
-            "length", fmt::format("is missing: without it a chain of the kinds {} was expected, not one of {}",
-                                  join(event_kind_names()), join(named.symbols)));
+            "length",
+            fmt::format("is missing: without it a chain of the kinds {} was expected, not one of {}",
+                        join(event_kind_names()), join(named.symbols)));
       if (table_.has("seed")) throw table_.error("seed", "is of sequences with a length");
       sequence_.chain = named.chain;
       return;

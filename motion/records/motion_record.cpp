@@ -17,12 +17,6 @@ namespace {
 
 using identification::Capture;
 
-std::optional<std::size_t> state_index(const models::ModelInfo& info, const std::string& name) {
-  const auto it = std::ranges::find(info.states, name, &models::StateInfo::name);
-  if (it == info.states.end()) return {};
-  return static_cast<std::size_t>(it - info.states.begin());
-}
-
 /// The normal is the third column of the rotation matrix.
 Eigen::Vector3d normal_of(double w, double x, double y, double z) {
   const double scale = 1.0 / (w * w + x * x + y * y + z * z);
@@ -146,32 +140,24 @@ MotionRecord record_of(const Capture& capture, double length) {
 }
 
 MotionStates::MotionStates(const models::ModelInfo& info) {
-  const auto x = state_index(info, "x"), y = state_index(info, "y"), z = state_index(info, "z");
-  const auto quaternion = state_index(info, "qw"), theta = state_index(info, "theta");
-  if (!x || !y || !(z && quaternion) == !(theta && !z)) {
+  const auto layout = StateLayout::of(info);
+  if (!layout) {
     throw ArgumentError(fmt::format(
         "model \"{}\" has no states x, y, z, qw, .. of a body in space, nor x, y, theta of one in a "
         "plane: its motions have no patterns",
         info.name));
   }
-  planar_ = !z;
-  x_ = *x;
-  y_ = *y;
-  z_ = planar_ ? *y : *z;
-  attitude_ = planar_ ? *theta : *quaternion;
-}
-
-Eigen::Vector3d MotionStates::position(std::span<const double> state) const {
-  return {state[x_], planar_ ? 0.0 : state[y_], state[z_]};
+  layout_ = *layout;
 }
 
 Eigen::Vector3d MotionStates::normal(std::span<const double> state) const {
-  if (planar_) return {-std::sin(angle(state)), 0.0, std::cos(angle(state))};
-  return normal_of(state[attitude_], state[attitude_ + 1], state[attitude_ + 2], state[attitude_ + 3]);
+  if (is_planar()) return {-std::sin(angle(state)), 0.0, std::cos(angle(state))};
+  const auto& q = layout_.attitude;
+  return normal_of(state[q[0]], state[q[1]], state[q[2]], state[q[3]]);
 }
 
 double MotionStates::angle(std::span<const double> state) const {
-  return state[attitude_];
+  return state[layout_.attitude[0]];
 }
 
 double MotionStates::body_length(const models::Model& model, std::span<const double> parameters) {

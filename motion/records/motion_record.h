@@ -9,6 +9,7 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/models/interface/model.h"
+#include "samara/motion/records/state_layout.h"
 
 /// What is known of one motion, whether it was simulated or filmed: times, positions, and, if known, which way
 /// the plate looks.
@@ -64,9 +65,9 @@ class MotionStates {
   /// @throws ArgumentError if the model has neither x, y, z with qw, qx, qy, qz, nor x, y with theta.
   explicit MotionStates(const models::ModelInfo& info);
 
-  bool is_planar() const { return planar_; }
+  bool is_planar() const { return layout_.is_planar; }
   /// Place in the world: (x, 0, y) of a planar model.
-  Eigen::Vector3d position(std::span<const double> state) const;
+  Eigen::Vector3d position(std::span<const double> state) const { return layout_.place(state); }
   Eigen::Vector3d normal(std::span<const double> state) const;
   double angle(std::span<const double> state) const;
 
@@ -76,8 +77,7 @@ class MotionStates {
   static double body_length(const models::Model& model, std::span<const double> parameters);
 
  private:
-  bool planar_ = false;
-  std::size_t x_ = 0, y_ = 0, z_ = 0, attitude_ = 0;
+  StateLayout layout_;
 };
 
 /// A record put together frame by frame.

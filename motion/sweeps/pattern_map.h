@@ -58,7 +58,8 @@ class PatternMap {
   Eigen::VectorXd draw(Pattern pattern, Stream& stream) const;
 
   /// The point itself where at() calls it by the pattern; else the last place that it does so on the way to the point
-  /// from the nearest fall of the pattern. Coordinates outside the box are brought to its sides first.
+  /// from the nearest fall of the pattern, or that fall, if even there most neighbours have another. Coordinates outside the
+  /// box are brought to its sides first.
   /// @throws ArgumentError as draw(), and if the point is not finite.
   Eigen::VectorXd clamp(Pattern pattern, const Eigen::VectorXd& point) const;
 
@@ -78,13 +79,5 @@ class PatternMap {
   std::shared_ptr<const NearPoints> tree_;  ///< of places_
   std::array<std::shared_ptr<const NearPoints>, kPatterns> trees_;  ///< of those of each pattern
 };
-
-/// A round of more points where they tell most, appended to the sweep.
-///
-/// Of a grid: the grid with twice as many intervals. A new point inherits the label where all corners of its old cell,
-/// face or edge have the same for every release (status `inherited`; its features are not known), else its falls are
-/// run. Of drawn points: a fifth more of them, where the nearest seven disagree most.
-/// @returns false if cancelled; then the sweep is as it was
-bool refine(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep);
 
 }  // namespace samara::motion

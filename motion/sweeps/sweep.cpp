@@ -283,6 +283,7 @@ bool append_falls(const SweepPlan& plan, const Eigen::MatrixXd& points, const Sw
   if (!append_lanes(plan, model, lanes, 0, options.progress, options.threads, sweep)) return false;
   sweep.points.conservativeResize(sweep.points.rows() + points.rows(), Eigen::NoChange);
   sweep.points.bottomRows(points.rows()) = points;
+  sweep.round_of_point.resize(static_cast<std::size_t>(sweep.points.rows()), 0);
   return true;
 }
 
@@ -295,7 +296,15 @@ SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options) {
   SweepResult result;
   result.sweep = take_up(plan, options.checkpoint);
   result.taken_up = result.sweep.fall_count();
+  if (!result.sweep.rounds.empty()) {
+    result.complete = true;
+    result.falls_done = result.taken_up;
+    result.message =
+        fmt::format("{} falls, refined in {} rounds so far", result.taken_up, result.sweep.rounds.size() - 1);
+    return result;
+  }
   result.sweep.points = points;
+  result.sweep.round_of_point.assign(static_cast<std::size_t>(points.rows()), 0);
   Clock::time_point kept = begin;
   const double total = static_cast<double>(lanes.rows());
   bool goes_on = true;

@@ -18,6 +18,15 @@ namespace samara::motion {
 enum class FallStatus { done, landed, not_finite, too_many_steps, cancelled, inherited };
 std::string to_string(FallStatus status);
 
+/// A sweep before its first round of refining, and after each.
+struct RefiningRound {
+  Eigen::Index points = 0;
+  Eigen::Index run = 0;  ///< of them; the others inherited their labels
+  /// Share of the points that came first of which the others that were run tell the pattern, of the release where they
+  /// do so worst: later ones crowd at borders, and those that inherited have what their neighbours have.
+  double agreement = 0.0;
+};
+
 /// What a sweep found. Falls are numbered point after point, each from all releases.
 struct Sweep {
   std::string model;
@@ -43,11 +52,16 @@ struct Sweep {
   std::vector<Eigen::MatrixXd> trajectories;
   std::vector<std::string> state_names;
 
+  /// Per point the round of refining that it came with, 0 for those of the plan; empty: an older file does not say it.
+  std::vector<int> round_of_point;
+  /// What refine_by_plan() (refining.h) has done so far; empty: it was not refined by it.
+  std::vector<RefiningRound> rounds;
+
   Eigen::Index release_count() const {
     return releases.empty() ? 1 : static_cast<Eigen::Index>(releases.size());
   }
   Eigen::Index fall_count() const { return static_cast<Eigen::Index>(labels.size()); }
-  /// Falls that were run; the others inherited their labels, see pattern_map.h.
+  /// Falls that were run; the others inherited their labels, see refining.h.
   Eigen::Index run_count() const;
   Eigen::Index point_of(Eigen::Index fall) const { return fall / release_count(); }
   Eigen::Index release_of(Eigen::Index fall) const { return fall % release_count(); }
@@ -73,7 +87,8 @@ struct SweepResult {
 };
 
 /// Runs all falls, each in a lane of models/batch/watch_batch.h; a fall's frames are kept until its features are known.
-/// Finished falls are the same to the bit whether or not the sweep was interrupted, and on any number of threads.
+/// Finished falls are the same to the bit whether or not the sweep was interrupted, and on any number of threads. A
+/// checkpoint that was refined (refining.h) comes back as it is, complete.
 /// @throws ArgumentError as the model and watch_batch do; InputError for a checkpoint of another plan, model or version.
 SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options = {});
 

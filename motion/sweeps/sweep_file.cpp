@@ -92,6 +92,34 @@ void write_falls(io::Hdf5Writer& file, const Sweep& sweep) {
   file.write_matrix("/landing", sweep.landing);
 }
 
+void write_rounds(io::Hdf5Writer& file, const Sweep& sweep) {
+  if (!sweep.round_of_point.empty()) file.write_vector("/rounds/of_point", numbers(sweep.round_of_point));
+  if (sweep.rounds.empty()) return;
+  Eigen::MatrixXd table(static_cast<Eigen::Index>(sweep.rounds.size()), 3);
+  for (Eigen::Index k = 0; k < table.rows(); ++k) {
+    const RefiningRound& round = sweep.rounds[static_cast<std::size_t>(k)];
+    table.row(k) << static_cast<double>(round.points), static_cast<double>(round.run), round.agreement;
+  }
+  file.write_matrix("/rounds/done", table);
+  file.write_texts("/rounds/done_names", {"points", "run", "agreement"});
+}
+
+/// Older files have none.
+void read_rounds(const io::Hdf5Reader& file, Sweep& sweep) {
+  if (!file.has("/rounds/of_point")) return;
+  constexpr int kMostRounds = 1'000'000;
+  sweep.round_of_point = codes(file, "/rounds/of_point", sweep.points.rows(), kMostRounds);
+  if (!file.has("/rounds/done")) return;
+  const Eigen::MatrixXd table = file.matrix("/rounds/done", {.columns = 3});
+  for (const auto& row : table.rowwise()) {
+    if (!(row[0] >= 0.0 && row[0] <= static_cast<double>(sweep.points.rows()) && row[1] >= 0.0 &&
+          row[1] <= row[0]))
+      throw file.error("/rounds/done",
+                       fmt::format("has a round of {} points, {} of them run", row[0], row[1]));
+    sweep.rounds.push_back({static_cast<Eigen::Index>(row[0]), static_cast<Eigen::Index>(row[1]), row[2]});
+  }
+}
+
 void write_trajectories(io::Hdf5Writer& file, const Sweep& sweep) {
   if (sweep.trajectories.empty()) return;
   const Eigen::Index frames = sweep.trajectories.front().rows(), states = sweep.trajectories.front().cols();
@@ -189,6 +217,7 @@ void save(const Sweep& sweep, const std::filesystem::path& path) {
     releases.row(static_cast<Eigen::Index>(k)) << sweep.releases[k].tilt, sweep.releases[k].axis;
   file.write_matrix("/releases", releases);
   write_falls(file, sweep);
+  write_rounds(file, sweep);
   write_trajectories(file, sweep);
   file.commit();
 }
@@ -236,6 +265,7 @@ Sweep load_sweep(const std::filesystem::path& path) {
   sweep.reached = file.vector("/reached", {.rows = falls});
   sweep.landing = file.matrix("/landing", {.rows = falls, .columns = 3, .finite = false});
   read_trajectories(file, falls, sweep);
+  read_rounds(file, sweep);
   return sweep;
 }
 

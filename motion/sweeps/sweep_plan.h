@@ -44,7 +44,7 @@ struct SweepPlan {
   bool keep_trajectories = false;
   bool spread = false;  ///< whether Lyapunov exponents are found, which takes several times as long
   PatternThresholds thresholds;
-  /// Rounds of new points where labels disagree, see pattern_map.h.
+  /// Rounds of new points where labels disagree, see refining.h.
   int refine = 0;
   /// Least growth of the agreement by a round, see refining.h; none: all rounds are run.
   std::optional<double> refine_gain = {};

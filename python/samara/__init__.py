@@ -21,6 +21,7 @@ from ._fitting import CaptureFit, Coefficient, FitResult, Unknown, fit
 from ._bodies import Bodies, Motions
 from ._flows import Cloud, Flow, Turbulence, Wake, Wind, realise
 from ._models import Model, ModelInfo, Parameter, Simulation, State, models, simulate
+from ._pattern_tools import Agreement, Clusters, adjusted_rand, agreement, gaussian_mixture, k_means
 from ._motion import (
     FEATURES,
     PATTERNS,
@@ -29,16 +30,16 @@ from ._motion import (
     Patterns,
     Record,
     Regime,
-    Sweep,
     Window,
     pattern_thresholds,
     patterns,
     records,
     regime,
-    sweep,
 )
+from ._sweeps import Sweep, sweep
 
 __all__ = [
+    "Agreement",
     "ArgumentError",
     "Axis",
     "Bodies",
@@ -46,6 +47,7 @@ __all__ = [
     "CaptureFit",
     "Certificate",
     "Cloud",
+    "Clusters",
     "Codebook",
     "Coefficient",
     "Coordinate",
@@ -81,8 +83,12 @@ __all__ = [
     "Wind",
     "Window",
     "__version__",
+    "adjusted_rand",
+    "agreement",
     "build",
     "fit",
+    "gaussian_mixture",
+    "k_means",
     "models",
     "pattern_thresholds",
     "patterns",

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._building import Path, Progress, Reported
 from ._errors import ArgumentError
-from ._motion import Sweep
+from ._sweeps import Sweep
 from ._units import Quantity, one_si, real_array, whole
 
 _STATES = ("falling", "landed", "not_finite", "waiting")
@@ -61,11 +61,11 @@ class Motions:
 
 class Bodies:
     """Many bodies at run time, each one solution of the model: at its events its coefficients begin to move to those of a
-    segment that began in a state like its own. They rest on the ground, do not see each other, and cost about a
-    microsecond each and frame.
+    segment that began in a state like its own. They rest on the ground and do not see each other.
 
     ``choice``: next pieces come from the "chain" of kinds, or evenly from the "graph". ``ramp``: time in which coefficients
-    change, a quarter of the median segment by default. ``wind``: a steady velocity (3,), m/s, of models in space.
+    change, a quarter of the median segment by default. ``tries``: pieces that are tried ahead at an event, 0 to 8, so that
+    the kind that was chosen comes about. ``wind``: a steady velocity (3,), m/s, of models with a sibling in gusts.
     """
 
     def __init__(
@@ -77,6 +77,7 @@ class Bodies:
         step: Optional[Quantity] = None,
         ramp: Optional[Quantity] = None,
         ground: Optional[Quantity] = None,
+        tries: int = 0,
         wind: Optional[ArrayLike] = None,
         seed: int = 1,
     ) -> None:
@@ -89,6 +90,7 @@ class Bodies:
             0.0 if step is None else one_si(step, "s", "step"),
             -1.0 if ramp is None else one_si(ramp, "s", "ramp"),
             None if ground is None else one_si(ground, "m", "ground"),
+            _number(tries, "tries"),
             None if wind is None else real_array(wind, "wind"),
             _number(seed, "seed"),
         )
@@ -106,6 +108,12 @@ class Bodies:
     def advance(self, dt: Quantity) -> None:
         """By steps of equal length, at most ``step``."""
         self._core.advance(one_si(dt, "s", "dt"))
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Since they were made: ``events``; ``planned``, those that ended a chosen segment, and ``kept``, of its kind;
+        ``drawn``, at which the chain drew a kind, and ``taken``, with a piece of it."""
+        return self._core.counts()
 
     @property
     def falling(self) -> int:

@@ -1,4 +1,4 @@
-"""Patterns of falling: records, features, labels, sweeps (docs/patterns.md)."""
+"""Patterns of falling: records, features, labels (docs/patterns.md)."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import os
 import pathlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Optional
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from . import _core, _toml
-from ._building import Path, Progress, Reported
+from . import _core
+from ._building import Path
 from ._captures import files_and_tables
 from ._errors import ArgumentError
 from ._labels import optional
 from ._models import AnyModel, _info, core_model
-from ._units import Quantity, as_mapping, check_names, one_si, real_array, whole
+from ._units import Quantity, as_mapping, check_names, one_si, real_array
 
 PATTERNS: tuple[str, ...] = tuple(_core.pattern_names())
 """In the order of every array that has a column for each."""
@@ -181,10 +181,14 @@ class Patterns:
         ]
         return optional("pandas").DataFrame(rows, columns=["from", "to", "count", "probability", "lower", "upper"])
 
-    def report(self, path: Path) -> None:
-        """The page for the browser."""
+    def report(self, path: Path, body: Optional[Regime] = None) -> None:
+        """The page for the browser. ``body``: what falls, in its diagram, as ``samara.regime`` has it."""
         swings, overlap, rule = self._options
-        pathlib.Path(path).write_text(_core.captures_html([vars(r) for r in self.records], swings, overlap, rule), "utf-8")
+        if body is not None and not isinstance(body, Regime):
+            raise ArgumentError(f"the body is of the type {type(body).__name__}, expected a samara.Regime")
+        numbers = None if body is None else {name: getattr(body, name) for name in ("Re", "I_disc", "I_plate", "I_ellipse")}
+        page = _core.captures_html([vars(r) for r in self.records], swings, overlap, rule, numbers)
+        pathlib.Path(path).write_text(page, "utf-8")
 
 
 def patterns(
@@ -232,114 +236,3 @@ def regime(model: AnyModel, parameters: Mapping[str, Quantity]) -> Regime:
     check_names(as_mapping(parameters, "parameters"), list(units), "parameter")
     values = {name: one_si(value, units[name], name) for name, value in parameters.items()}
     return Regime(**_core.regime(core_model(model), values))
-
-
-class Sweep:
-    """Thousands of falls over a box of coordinates, and what the rule calls each. Falls are numbered point after point,
-    each from all releases: arrays of ``falls`` = points x releases rows.
-
-    ``names``, ``units`` of the coordinates; ``points`` (points, coordinates), SI; ``releases``, pairs (tilt, axis), rad;
-    ``features`` (falls, features), NaN where one is not known, columns as ``samara.FEATURES``; ``labels`` (falls,), names of
-    patterns; ``margins``, ``status``, ``reached`` [s] (falls,); ``landing`` (falls, 3): x, y [m], t [s].
-    """
-
-    def __init__(self, core: _core.Sweep, complete: bool = True, message: str = "", rounds: Iterable[tuple[int, int, float]] = ()) -> None:
-        self._core = core
-        self.complete, self.message = complete, message
-        self.rounds = list(rounds)
-        """Of refining: points, those of them that were run, and the share of those that came first that the others call right."""
-        told = core.describe()
-        self.model: str = told["model"]
-        self.plan: str = told["plan"]
-        self.names: list[str] = told["names"]
-        self.units: list[str] = told["units"]
-        self.axes: list[list[float]] = told["axes"]
-        self.releases: list[tuple[float, float]] = told["releases"]
-        self.thresholds: dict[str, float] = told["thresholds"]
-        self._release_count: int = told["release_count"]
-        self._states: list[str] = told["states"]
-        self.points = core.points()
-        self.features = core.features()
-        labels, self.margins, self.reasons, status = core.labels()
-        self.labels: NDArray[np.str_] = np.array(labels, dtype=str)
-        self.status: NDArray[np.str_] = np.array(status, dtype=str)
-        self.reached = core.reached()
-        self.landing = core.landing()
-
-    @staticmethod
-    def open(path: Path) -> Sweep:
-        """From the file that ``samara sweep`` or ``save`` wrote."""
-        return Sweep(_core.Sweep.open(os.fspath(path)))
-
-    def save(self, path: Path) -> None:
-        """As HDF5, the format of ``samara sweep``."""
-        self._core.save(os.fspath(path))
-
-    def __repr__(self) -> str:
-        return f"<samara.Sweep of {self.model}: {len(self.labels)} falls over {', '.join(self.names)}>"
-
-    @property
-    def frame(self) -> Any:
-        """A DataFrame with a row for each fall: coordinates, tilt and axis of the release (rad), pattern, margin, status,
-        reached, landing_x, landing_y, landing_t, and all features."""
-        count = len(self.labels)
-        point = np.arange(count) // self._release_count
-        columns: dict[str, Any] = dict(zip(self.names, self.points[point].T))
-        if self.releases:
-            release = np.array(self.releases)[np.arange(count) % self._release_count]
-            columns |= {"release_tilt": release[:, 0], "release_axis": release[:, 1]}
-        columns |= {"pattern": self.labels, "margin": self.margins, "status": self.status, "reached": self.reached}
-        columns |= dict(zip(("landing_x", "landing_y", "landing_t"), self.landing.T))
-        for k, feature in enumerate(FEATURES):
-            columns[feature.name if feature.name not in columns else f"feature_{feature.name}"] = self.features[:, k]
-        return optional("pandas").DataFrame(columns)
-
-    def shares(self) -> NDArray[np.float64]:
-        """(points, patterns): per point, of its falls from all releases, the share that has each of ``samara.PATTERNS``."""
-        return self._core.shares()
-
-    def at(self, points: ArrayLike, release: int = 0) -> tuple[NDArray[np.str_], NDArray[np.float64], NDArray[np.float64]]:
-        """The map of one release at (.., coordinates), SI: patterns, the share of the seven nearest falls that have them, and
-        the distance to the nearest fall of another one (the box has sides of length 1)."""
-        given = np.ascontiguousarray(real_array(points, "points"))
-        if given.ndim == 0 or given.shape[-1] != len(self.names):
-            raise ArgumentError(f"points have the shape {given.shape}, expected (.., {len(self.names)})")
-        found, probability, distance = self._core.at(given.reshape(-1, len(self.names)), whole(release, "release") or 0)
-        shape = given.shape[:-1]
-        return np.array(found, dtype=str).reshape(shape), probability.reshape(shape), distance.reshape(shape)
-
-    def trajectories(self) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str]]:
-        """Of a plan that keeps them: times (frames,), states (falls, frames, states), NaN after a fall's end, and the names
-        of the states."""
-        kept = self._core.trajectories()
-        if kept is None:
-            raise ArgumentError('the sweep keeps no trajectories: run = { .., "keep": "trajectories" } was expected in its plan')
-        return kept[0], kept[1], self._states
-
-    def report(self, path: Path) -> None:
-        """The page for the browser: diagram, map, features, transitions."""
-        pathlib.Path(path).write_text(self._core.html(), "utf-8")
-
-
-def sweep(
-    plan: Union[Path, Mapping[str, Any]],
-    progress: Progress = True,
-    *,
-    checkpoint: Optional[Path] = None,
-    threads: Optional[int] = None,
-) -> Sweep:
-    """Runs the falls of a plan, and its rounds of refining.
-
-    :param plan: a file, or a dictionary with the same keys (docs/patterns.md); its arrays are lists of values
-    :param progress: as of ``samara.build``; where it ends the work, the sweep holds what was done, and is not ``complete``
-    :param checkpoint: a file for finished falls, from which the same call goes on
-    :raises InputError: for a plan that cannot be one, and a checkpoint of another plan
-    """
-    if isinstance(plan, Mapping):
-        path, text = None, _toml.dumps(plan)
-    elif isinstance(plan, (str, os.PathLike)):
-        path, text = os.fspath(plan), ""
-    else:
-        raise ArgumentError(f"the plan is of the type {type(plan).__name__}, expected a file, or a dictionary with the same keys")
-    with Reported(progress) as report:
-        return Sweep(*_core.run_sweep(path, text, report, os.fspath(checkpoint or ""), whole(threads, "threads") or 0))

@@ -59,12 +59,13 @@ Eigen::Vector3d vector_of(const Array& values, const std::string& what) {
 
 std::unique_ptr<HeldBodies> bodies_of(const std::shared_ptr<const NextPieces>& pieces, Eigen::Index count,
                                       bool by_graph, double step, double ramp, std::optional<double> ground,
-                                      const std::optional<Array>& wind, std::uint64_t seed) {
+                                      int tries, const std::optional<Array>& wind, std::uint64_t seed) {
   motion::BodiesOptions options;
   options.choice = by_graph ? motion::BodiesOptions::Choice::graph : motion::BodiesOptions::Choice::chain;
   options.step = step;
   options.ramp = ramp;
   options.ground = ground;
+  options.tries = tries;
   if (wind) options.wind = motion::steady_wind(vector_of(*wind, "wind"));
   options.seed = seed;
   return std::make_unique<HeldBodies>(HeldBodies{pieces, motion::Bodies(*pieces, count, options)});
@@ -110,7 +111,8 @@ void add_bodies(py::module_& module) {
       .def("segments", &segments_of);
   py::class_<HeldBodies>(module, "Bodies")
       .def_static("of", &bodies_of, py::arg("motions"), py::arg("count"), py::arg("by_graph"),
-                  py::arg("step"), py::arg("ramp"), py::arg("ground"), py::arg("wind"), py::arg("seed"))
+                  py::arg("step"), py::arg("ramp"), py::arg("ground"), py::arg("tries"), py::arg("wind"),
+                  py::arg("seed"))
       .def(
           "release",
           [](HeldBodies& held, Eigen::Index body, const Array& place, double yaw) {
@@ -120,6 +122,17 @@ void add_bodies(py::module_& module) {
       .def(
           "advance", [](HeldBodies& held, double dt) { held.bodies.advance(dt); }, py::arg("dt"),
           py::call_guard<py::gil_scoped_release>())
+      .def("counts",
+           [](const HeldBodies& held) {
+             const motion::BodyCounts& counts = held.bodies.counts();
+             py::dict all;
+             all["events"] = counts.events;
+             all["planned"] = counts.planned;
+             all["kept"] = counts.kept;
+             all["drawn"] = counts.drawn;
+             all["taken"] = counts.taken;
+             return all;
+           })
       .def("falling", [](const HeldBodies& held) { return held.bodies.falling(); })
       .def("poses", &poses_of, py::arg("positions"), py::arg("rotations"))
       .def("states", &states_of);

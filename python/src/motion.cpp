@@ -1,3 +1,5 @@
+#include "motion.h"
+
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -22,6 +24,7 @@
 #include "samara/motion/pages/pattern_page.h"
 #include "samara/motion/patterns/regime.h"
 #include "samara/motion/patterns/transitions.h"
+#include "samara/motion/sweeps/landing.h"
 #include "samara/motion/sweeps/pattern_map.h"
 #include "samara/motion/sweeps/phase_diagram.h"
 #include "samara/motion/sweeps/refining.h"
@@ -33,12 +36,6 @@ namespace {
 
 using motion::Sweep;
 using Thresholds = std::map<std::string, double>;
-
-motion::PatternThresholds thresholds_of(const Thresholds& values) {
-  motion::PatternThresholds thresholds;
-  for (const auto& [name, value] : values) set_threshold(thresholds, name, value);
-  return thresholds;
-}
 
 Thresholds by_name(const motion::PatternThresholds& thresholds) {
   Thresholds values;
@@ -84,15 +81,8 @@ motion::MotionRecord record_of(const py::dict& given) {
 
 py::list motion_records(const std::vector<std::filesystem::path>& files, const py::list& tables,
                         const std::filesystem::path& sidecar, double length) {
-  std::vector<identification::Capture> captures;
-  for (const std::filesystem::path& file : files) {
-    auto more =
-        sidecar.empty() ? identification::read_captures(file) : identification::read_captures(file, sidecar);
-    std::move(more.begin(), more.end(), std::back_inserter(captures));
-  }
-  for (const py::handle table : tables) captures.push_back(capture_of(table.cast<py::dict>()));
   py::list list;
-  for (const identification::Capture& capture : captures)
+  for (const identification::Capture& capture : captures_from(files, tables, sidecar))
     list.append(record_dict(capture.id, motion::record_of(capture, length)));
   return list;
 }
@@ -145,39 +135,38 @@ py::dict regime(const py::object& which, const std::map<std::string, double>& va
 }
 
 /// @param path of the plan, or its text
-/// @returns the sweep, whether it is complete, how it ended, and the rounds of its refining (points, run, agreement)
+/// @returns the sweep, whether it is complete, and how it ended
 py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std::string& text,
                     const py::object& progress, const std::filesystem::path& checkpoint, int threads) {
   Failure failure;
   const motion::SweepOptions options = {
       .threads = threads, .progress = progress_to(progress, failure), .checkpoint = checkpoint};
-  motion::RefiningResult refined;
   motion::SweepResult result = unlocked(failure, [&] {
     const motion::SweepPlan plan =
         path ? motion::read_sweep_plan(*path) : motion::parse_sweep_plan(text, "the plan");
     motion::SweepResult swept = motion::run_sweep(plan, options);
     if (!swept.complete || plan.refine == 0) return swept;
-    refined = motion::refine_by_plan(plan, {.threads = threads, .progress = options.progress}, swept.sweep);
+    const motion::RefiningResult refined = motion::refine_by_plan(plan, options, swept.sweep);
     swept.complete = refined.complete;
     swept.message += ", refined: " + refined.message;
     return swept;
   });
-  py::list rounds;
-  for (const motion::RefiningRound& round : refined.rounds)
-    rounds.append(py::make_tuple(round.points, round.run, round.agreement));
-  return py::make_tuple(std::make_shared<Sweep>(std::move(result.sweep)), result.complete, result.message,
-                        rounds);
+  return py::make_tuple(std::make_shared<Sweep>(std::move(result.sweep)), result.complete, result.message);
 }
 
 py::dict describe_sweep(const Sweep& sweep) {
   py::list releases;
   for (const motion::Release& release : sweep.releases)
     releases.append(py::make_tuple(release.tilt, release.axis));
+  py::list rounds;
+  for (const motion::RefiningRound& round : sweep.rounds)
+    rounds.append(py::make_tuple(round.points, round.run, round.agreement));
   return py::dict(py::arg("model") = sweep.model, py::arg("plan") = sweep.plan_text,
                   py::arg("names") = sweep.names, py::arg("units") = sweep.units,
                   py::arg("axes") = sweep.axes, py::arg("releases") = releases,
                   py::arg("release_count") = sweep.release_count(), py::arg("falls") = sweep.fall_count(),
-                  py::arg("thresholds") = by_name(sweep.thresholds), py::arg("states") = sweep.state_names);
+                  py::arg("thresholds") = by_name(sweep.thresholds), py::arg("states") = sweep.state_names,
+                  py::arg("rounds") = rounds, py::arg("round_of_point") = sweep.round_of_point);
 }
 
 py::array_t<double> features_of(const Sweep& sweep) {
@@ -217,6 +206,46 @@ py::tuple map_at(const Sweep& sweep, const Array& points, Eigen::Index release) 
   return py::make_tuple(patterns, copied(probability), copied(distance));
 }
 
+/// (count, coordinates), each point from a stream of its own
+py::array_t<double> drawn(const Sweep& sweep, const std::string& pattern, Eigen::Index count,
+                          std::uint64_t seed, Eigen::Index release) {
+  const motion::PatternMap map(sweep, release);
+  const motion::Pattern wanted = motion::pattern_of(pattern);
+  py::array_t<double> points({count, static_cast<Eigen::Index>(sweep.names.size())});
+  Columns columns(points.mutable_data(), sweep.lower.size(), count);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    Stream stream(seed, static_cast<std::uint64_t>(n));
+    columns.col(n) = map.draw(wanted, stream);
+  }
+  return points;
+}
+
+py::array_t<double> clamped(const Sweep& sweep, const std::string& pattern, const Array& points,
+                            Eigen::Index release) {
+  const auto count = leading_shape(points, sweep.lower.size(), "points").front();
+  const motion::PatternMap map(sweep, release);
+  const motion::Pattern wanted = motion::pattern_of(pattern);
+  const ConstColumns given(points.data(), sweep.lower.size(), count);
+  py::array_t<double> moved({count, static_cast<py::ssize_t>(sweep.lower.size())});
+  Columns columns(moved.mutable_data(), sweep.lower.size(), count);
+  for (Eigen::Index n = 0; n < count; ++n) columns.col(n) = map.clamp(wanted, given.col(n));
+  return moved;
+}
+
+/// Per pattern that fell: its name, share with its interval, falls that landed, mean x and y, their standard errors,
+/// covariances xx, xy, yy, mean distance, its standard error, mean time.
+py::list landings_of(const Sweep& sweep, Eigen::Index release) {
+  if (release < 0 || release >= sweep.release_count())
+    throw ArgumentError("there is no release " + std::to_string(release) + ", expected 0 to " +
+                        std::to_string(sweep.release_count() - 1));
+  py::list list;
+  for (const motion::LandingStatistics& s : motion::landing_statistics(sweep, release))
+    list.append(py::make_tuple(to_string(s.pattern), s.share.value, s.share.lower, s.share.upper, s.falls,
+                               s.mean.x(), s.mean.y(), s.mean_error.x(), s.mean_error.y(), s.covariance(0, 0),
+                               s.covariance(0, 1), s.covariance(1, 1), s.distance, s.distance_error, s.time));
+  return list;
+}
+
 /// times (frames), and states (falls, frames, states); None where none were kept
 py::object trajectories_of(const Sweep& sweep) {
   if (sweep.trajectories.empty()) return py::none();
@@ -228,8 +257,10 @@ py::object trajectories_of(const Sweep& sweep) {
   return py::make_tuple(copied(sweep.times), all);
 }
 
+/// @param body numbers of the one that falls, by name, as regime() gives them
 std::string captures_html(const py::list& records, double swings, double overlap,
-                          const Thresholds& thresholds) {
+                          const Thresholds& thresholds,
+                          const std::optional<std::map<std::string, double>>& body) {
   std::vector<motion::LabelledMotion> motions;
   const motion::PatternThresholds rule = thresholds_of(thresholds);
   for (const py::handle given : records) {
@@ -238,10 +269,34 @@ std::string captures_html(const py::list& records, double swings, double overlap
     motions.push_back({one["name"].cast<std::string>(), record,
                        motion::label_windows(record, {.swings = swings, .overlap = overlap}, rule)});
   }
-  return motion::pattern_html(motions, rule);
+  if (!body) return motion::pattern_html(motions, rule);
+  const motion::FallNumbers numbers = {.Re = body->at("Re"),
+                                       .I_disc = body->at("I_disc"),
+                                       .I_plate = body->at("I_plate"),
+                                       .I_ellipse = body->at("I_ellipse")};
+  return motion::pattern_html(motions, rule, numbers);
 }
 
 }  // namespace
+
+motion::PatternThresholds thresholds_of(const std::map<std::string, double>& values) {
+  motion::PatternThresholds thresholds;
+  for (const auto& [name, value] : values) set_threshold(thresholds, name, value);
+  return thresholds;
+}
+
+std::vector<identification::Capture> captures_from(const std::vector<std::filesystem::path>& files,
+                                                   const py::list& tables,
+                                                   const std::filesystem::path& sidecar) {
+  std::vector<identification::Capture> captures;
+  for (const std::filesystem::path& file : files) {
+    auto more =
+        sidecar.empty() ? identification::read_captures(file) : identification::read_captures(file, sidecar);
+    std::move(more.begin(), more.end(), std::back_inserter(captures));
+  }
+  for (const py::handle table : tables) captures.push_back(capture_of(table.cast<py::dict>()));
+  return captures;
+}
 
 void add_motion(py::module_& module) {
   py::class_<Sweep, std::shared_ptr<Sweep>>(module, "Sweep")
@@ -261,6 +316,9 @@ void add_motion(py::module_& module) {
       .def("shares", [](const Sweep& sweep) { return copied(motion::release_shares(sweep)); })
       .def("trajectories", &trajectories_of)
       .def("at", &map_at, py::arg("points"), py::arg("release"))
+      .def("draw", &drawn, py::arg("pattern"), py::arg("count"), py::arg("seed"), py::arg("release"))
+      .def("clamp", &clamped, py::arg("pattern"), py::arg("points"), py::arg("release"))
+      .def("landings", &landings_of, py::arg("release"))
       .def("html", [](const Sweep& sweep) { return motion::pattern_html(sweep); });
   module.def("run_sweep", &run_sweep, py::arg("path"), py::arg("text"), py::arg("progress"),
              py::arg("checkpoint"), py::arg("threads"));
@@ -282,8 +340,9 @@ void add_motion(py::module_& module) {
              py::arg("thresholds"));
   module.def("pattern_transitions", &pattern_transitions, py::arg("sequences"));
   module.def("captures_html", &captures_html, py::arg("records"), py::arg("swings"), py::arg("overlap"),
-             py::arg("thresholds"));
+             py::arg("thresholds"), py::arg("body"));
   module.def("regime", &regime, py::arg("model"), py::arg("values"));
+  add_pattern_tools(module);
 }
 
 }  // namespace samara::python

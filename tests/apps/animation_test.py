@@ -7,9 +7,10 @@ with the CSV of the same call. The official validator (npm: gltf-validator) is a
 import csv
 import re
 
+import h5py
 import numpy as np
 
-from glb_file import Glb, issues
+from glb_file import Glb, issues, y_up
 from samara_case import COIN_PLAN, FOLDER, Case, book, main, run, write
 
 CARD = ["--set", "a=0.035", "--set", "b=0.02", "--set", "c=1e-4", "--set", "density=1200", "--set", "C_D0=0.05",
@@ -86,6 +87,45 @@ class Animations(Case):
         self.assertAlmostEqual(extras["thickness"], 2.55e-3, delta=1e-12)
         part = Glb(written("query", book("coin", COIN_PLAN), *point, "--at", "0.1", "--at", "0.3", name="part.glb"))
         self.assertAlmostEqual(part.channel("translation")[0][-1], 0.2, delta=1e-7)
+
+    def test_flights_through_random_air_are_nodes_with_their_seed(self):
+        card = ["immersed_body_in_gusts", *CARD[:-4], "--set", "z(0)=2", "--until", "0.5", "--turbulence", "uniform", "deviation=0.3", "scale=0.5"]
+        flights = [*card, "--realisations", "5", "--seed", "11", "--frames", "501", "--ground", "1.9"]
+        glb = Glb(written("simulate", *flights, "--keep", "3", name="flights.glb"))
+        self.assertEqual([node["name"] for node in glb.json["nodes"]], ["realisation 0", "realisation 1", "realisation 2"])
+        extras = glb.json["scenes"][0]["extras"]
+        self.assertEqual((extras["seed"], extras["parameters"]["C_T"], extras["model"]), ("11", 2.71, "immersed_body_in_gusts"))
+        self.assertIn("uniform turbulence", extras["air"])
+        self.assertIn(issues(FOLDER / "flights.glb"), [None, [0, 0, 0, 0]])
+        kept = written("simulate", *flights, "--keep", "3", name="flights.h5")
+        with h5py.File(kept) as file:
+            names = [name.decode() for name in file["kept_states"]]
+            paths, times = file["kept"][:], file["t"][:]
+        self.assertEqual(paths.shape[:2], (3, 501), names)
+        for node, path in enumerate(paths):
+            # Each to where it lands; positions are the first three states.
+            seen = np.isfinite(path).all(1)
+            self.assertLess(seen.sum(), 501)
+            channel = glb.channel("translation", node)
+            self.assertEqual(len(channel[0]), seen.sum())
+            np.testing.assert_allclose(channel[1], y_up(path[seen][:, :3]), atol=1e-6)
+            np.testing.assert_allclose(channel[0], times[seen], atol=1e-6)
+        # All of them, unless fewer are asked for; and frames that are too few are told of.
+        result = run("simulate", *card, "--realisations", "4", "--frames", "6", "-o", FOLDER / "few.glb")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r"players draw bodies up to .* degrees .* times as many --frames would do")
+        self.assertEqual(len(Glb(FOLDER / "few.glb").json["nodes"]), 4)
+        self.check_error(run("simulate", *card, "--realisations", "4", "--keep", "0", "-o", FOLDER / "none.glb"), 2, "--keep is 0")
+
+    def test_what_was_drawn_at_random_stands_beside_the_parameters(self):
+        wind = write("wind.toml", '[mean]\nspeed = "1 m/s"\nroughness = "3 cm"\n[turbulence]\nsigma = "0.2 m/s"\nlength = "5 m"\n')
+        glb = Glb(written("simulate", "immersed_body", *CARD[:-1], "0.2", "--set", "z(0)=2", "--wind", wind, "--seed", "9"))
+        extras = glb.json["scenes"][0]["extras"]
+        self.assertEqual((extras["seed"], extras["wind"], extras["parameters"]["z(0)"]), ("9", str(wind), 2))
+        self.assertEqual(glb.json["nodes"][0]["extras"], {"start": 0})
+        text = written("query", book("coin", COIN_PLAN), "--set", "C_D=1.3", "--set", "v(0)=0.2", "--at", "0.1", "--at", "0.3", name="late.usda").read_text()
+        self.assertIn("double start = 0.1", text)
+        self.assertRegex(text, r'double "C_D" = 1\.3\n')
 
     def test_a_mesh_of_ones_own_is_drawn(self):
         mesh = write("wedge.obj", "v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")

@@ -331,6 +331,110 @@ class ExplorerInBrowser(Case):
         extras = glb.json["scenes"][0]["extras"]["parameters"]
         self.assertEqual([extras[name] for name in ["C_D90", "C_R", "C_T"]], [*point, 0.91])
 
+    def test_the_page_and_the_command_write_the_same_animation(self):
+        for name, plan in [("coin", COIN_PLAN), ("card", CARD_PLAN)]:
+            self.opened(explored(book(name, plan), name=f"same_{name}"))
+            names, point = self.browser.value("[explorer.state.book.coordinates.map((c) => c.name), explorer.state.point]")
+            point = [round(value * 1.01, 3) for value in point]
+            self.opened(FOLDER / f"same_{name}.html", "#" + "&".join(f"p.{n}={v!r}" for n, v in zip(names, point)))
+            path = FOLDER / f"same_{name}.glb"
+            result = run("query", book(name, plan), *(f"--set={n}={v!r}" for n, v in zip(names[1:], point[1:])), "-o", path)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            files = [Glb(self.browser.saved("glb")), Glb(path)]
+            extras = [file.json["scenes"][0].pop("extras") for file in files]
+            self.assertEqual([pathlib.Path(extra.pop("codebook")).name for extra in extras], [f"{name}.h5"] * 2)
+            self.assertEqual(extras[0].keys(), extras[1].keys())
+            self.assertEqual(*(extra["model"] for extra in extras))
+            self.assertEqual(*(list(sorted(extra["parameters"])) for extra in extras))
+            for key, value in extras[0]["parameters"].items():
+                self.assertAlmostEqual(value, extras[1]["parameters"][key], delta=1e-12 * max(1.0, abs(value)))
+            for file in files:
+                self.assertTrue(file.json["asset"].pop("generator").startswith("samara"))
+            rows = [[file.accessor(k).astype(float) for k in range(len(file.json["accessors"]))] for file in files]
+            for one, other in zip(*rows):
+                np.testing.assert_allclose(one, other, atol=2e-6 * max(1e-2, np.abs(other).max()))
+            # Ends that accessors state are of these numbers: Glb.accessor() has compared them.
+            for file in files:
+                for accessor in file.json["accessors"]:
+                    accessor.pop("min", None), accessor.pop("max", None)
+            self.assertEqual(files[0].json, files[1].json)
+        self.check_quiet()
+
+    def seen(self):
+        return self.browser.value("[explorer.state.seen.turn, explorer.state.seen.tilt, explorer.state.seen.zoom]")
+
+    def test_the_picture_of_the_body_is_turned_and_enlarged_by_keys_mouse_touch_and_fields(self):
+        page = explored(book("card", CARD_PLAN), name="view")
+        self.opened(page)
+        self.assertEqual(self.seen(), [0, 0, 1])
+        self.browser.value("document.getElementById('body').focus()")
+        for key, code in [("ArrowRight", None), ("ArrowDown", 40), ("ArrowDown", 40), ("+", 187), ("+", 187)]:
+            self.browser.press(key, code)
+        self.assertEqual([round(v, 9) for v in self.seen()], [-5, 10, 2])
+        self.browser.until("document.getElementById('body').getAttribute('aria-label').includes("
+                           "'Seen 5 degrees from the left, 10 degrees from above, 2 times as large')")
+        self.assertEqual(self.browser.value("['turn', 'tilt', 'zoom'].map((id) => Number(document.getElementById(id).value))"), [-5, 10, 1])
+        # The address keeps it, and what cannot be a view is the front view.
+        self.browser.until("location.hash.includes('view=-5%2C10%2C2')")
+        state = self.browser.value("location.hash")
+        self.opened(page, state)
+        self.assertEqual(self.seen(), [-5, 10, 2])
+        self.opened(page, "#view=1,x,2")
+        self.assertEqual(self.seen(), [0, 0, 1])
+        x, y = self.browser.value("(() => { const b = document.getElementById('body').getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()")
+        mouse = lambda kind, dx, dy, **more: self.browser.call("Input.dispatchMouseEvent", type=kind, x=x + dx, y=y + dy, **more)
+        mouse("mousePressed", 0, 0, button="left", clickCount=1)
+        mouse("mouseMoved", 50, 20, button="left", buttons=1)
+        mouse("mouseReleased", 50, 20, button="left", clickCount=1)
+        mouse("mouseMoved", 90, 20)
+        self.assertEqual([round(v, 9) for v in self.seen()], [-30, 12, 1])
+        mouse("mouseWheel", 0, 0, deltaX=0, deltaY=-200, modifiers=2)
+        self.assertAlmostEqual(self.seen()[2], np.exp(0.4), delta=1e-6)
+        touch = lambda kind, *places: self.browser.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x + at, "y": y, "id": n} for n, at in enumerate(places)])
+        touch("touchStart", -20, 20)
+        touch("touchMove", -40, 40)
+        touch("touchEnd")
+        self.assertAlmostEqual(self.seen()[2], 2 * np.exp(0.4), delta=1e-3)
+        self.browser.value("document.getElementById('front').click()")
+        self.assertEqual(self.seen(), [0, 0, 1])
+        self.browser.value("(() => { const f = document.getElementById('zoom'); f.value = 3; f.dispatchEvent(new Event('input')); })()")
+        self.assertEqual(self.seen(), [0, 0, 8])
+        self.browser.until("document.getElementById('zoom').getAttribute('aria-valuetext') === '8 times'")
+        self.check_quiet()
+
+    def test_the_scale_below_the_body_is_true_however_it_is_looked_at(self):
+        # A path of 0.6 m in the picture's own plane, in blue, inside one of 3 m: pixels of it, and of the scale with its label.
+        self.opened(explored(book("coin", COIN_PLAN), name="scale"))
+        measure = '''((seen) => {
+          const canvas = document.createElement("canvas"), said = [];
+          Object.assign(canvas.style, {width: "640px", height: "300px"});
+          document.body.append(canvas);
+          const g = canvas.getContext("2d");
+          g.fillText = (text) => said.push(text);
+          const at = (x) => ({p: [x, 0, 0], q: [1, 0, 0, 0]}), red = {path: [at(0), at(3)], pose: at(1.5), colour: "#ff0000"};
+          new BodyView(canvas, seen).draw([{path: [at(1.2), at(1.8)], pose: at(1.5), colour: "#0000ff"}, red], plainPlateMesh, "m", {ink: "#00ff00"});
+          const {data} = g.getImageData(0, 0, canvas.width, canvas.height), ends = (channel) => {
+            let low = Infinity, high = -Infinity;
+            for (let k = 0; k < data.length; k += 4)
+              if (data[k + channel] > 90 && data[k + 3] > 90 && [0, 1, 2].every((c) => c === channel || data[k + c] < 0.7 * data[k + channel]))
+                [low, high] = [Math.min(low, k / 4 % canvas.width), Math.max(high, k / 4 % canvas.width)];
+            return high - low;
+          };
+          canvas.remove();
+          return [said[0], ends(1), ends(2)];
+        })'''.replace("plainPlateMesh", "plainPlate(0.02)")
+        seen = set()
+        for turn, zoom in [(0, 1), (60, 1), (0, 2), (0, 4), (-30, 3)]:
+            label, bar, path = self.browser.value(f"{measure}({{turn: {turn}, tilt: 0, zoom: {zoom}}})")
+            length = float(label.removesuffix(" m"))
+            seen.add(length)
+            # The line through a point of the path is a pixel and a half wide, as that of the scale.
+            shown = 0.6 * np.cos(np.radians(turn)) / length * bar
+            self.assertAlmostEqual(path, shown, delta=2.5 + 0.02 * shown, msg=f"{turn}, {zoom}: {label}")
+            self.assertGreater(path, 40)
+        self.assertGreater(len(seen), 1)
+        self.check_quiet()
+
     def test_coins_fall_and_plates_turn_as_the_library_says(self):
         self.opened(explored(book("coin", COIN_PLAN), name="poses"), "#p.C_D=1.31&p.v(0)=0.25")
         path = FOLDER / "coin.glb"

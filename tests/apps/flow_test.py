@@ -75,7 +75,7 @@ class Flows(Case):
         words = run("info", flow())
         self.assertIn("flow, steady", words.stdout)
         told = json.loads(run("info", flow(), "--json").stdout)
-        self.check_schema(told)
+        self.assertEqual(told["schema"], "samara-flow-info/1")
         self.assertEqual(told["status"], "steady")
         self.assertLess(told["checks"]["force_disagreement"], 1e-10)
         said = float(re.search(r"C_D ([0-9.]+)", words.stdout)[1])
@@ -185,9 +185,11 @@ certificate_points = 3
 relative = 0.05
 ''')
         path = FOLDER / "book.h5"
-        result = run("flow", plan, "-o", path)
+        result = run("flow", plan, "-o", path, "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("twice the cells", result.stdout)
+        built = json.loads(result.stdout)
+        self.assertEqual((built["schema"], built["met"]), ("samara-flow-book/1", True))
+        self.assertEqual(set(built["discretisation"]), {output["name"] for output in built["certificate"]["outputs"]})
         asked = run("query", path, "--set", "log10_reynolds=1.55").stdout.splitlines()
         drag = float(dict(zip(asked[0].split(","), asked[1].split(",")))["C_D[1]"])
         single = FOLDER / "single.h5"

@@ -66,6 +66,7 @@ class Databases(Case):
         result = run("database", swept("chaos", CHAOS), "-o", path, "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         said = json.loads(result.stdout)
+        self.assertEqual(said["schema"], "samara-motions/1")
         with h5py.File(path) as file:
             self.assertEqual(file.attrs["format"], b"samara-motions")
             start, end, runs = (file[f"segments/{name}"][:] for name in ("start", "end", "run"))
@@ -119,7 +120,7 @@ class Sweeps(Case):
         self.assertEqual(len(re.findall(r"^release ", text, re.M)), 3)
         self.assertIn("adjusted Rand index", text)
         answer = json.loads(run("patterns", swept(), "--json").stdout)
-        self.check_schema(answer)
+        self.assertEqual(answer["schema"], "samara-sweep/1")
         for release in answer["releases"]:
             self.assertEqual(sum(release["counts"].values()), 45)
             self.assertEqual(sum(region["points"] for region in release["regions"]), 45)
@@ -258,6 +259,45 @@ step = "1 ms"
             known = numpy.isfinite(recurrence[:, k]).sum()
             self.assertEqual([cluster["falls"] for cluster in release["clusters"]], [known] * 3)
 
+    def test_points_are_drawn_from_and_clamped_to_the_part_of_a_pattern(self):
+        path = swept()
+        table = run("patterns", path, "--draw", "zigzag", "--count", "40", "--seed", "3").stdout.splitlines()
+        self.assertEqual((table[0], len(table)), ("inertia_ratio[1],C_R[1]", 41))
+        answer = json.loads(run("patterns", path, "--draw", "zigzag", "--count", "40", "--seed", "3", "--json").stdout)
+        self.check_schema(answer)
+        points = numpy.array([point["values"] for point in answer["points"]])
+        numpy.testing.assert_allclose(points, [[float(v) for v in line.split(",")] for line in table[1:]], rtol=1e-12)
+        with h5py.File(path) as file:
+            falls, box = file["points"][:], numpy.array([file["lower"][:], file["upper"][:]])
+            labels = numpy.array([file["label_names"][int(k)].decode() for k in file["labels"]]).reshape(45, -1)
+        releases = labels.shape[1]
+        scaled = lambda x: (x - box[0]) / (box[1] - box[0])
+        distance = lambda x, of: numpy.linalg.norm(scaled(falls[of]) - scaled(x), axis=1).min()
+        # Each is nearer to a fall of the pattern than to any of another.
+        for point in points:
+            self.assertTrue(numpy.all((point >= box[0]) & (point <= box[1])))
+            self.assertLessEqual(distance(point, labels[:, 0] == "zigzag"), distance(point, labels[:, 0] != "zigzag") + 1e-12)
+        self.assertGreater(len(numpy.unique(points[:, 0])), 20)
+        other = json.loads(run("patterns", path, "--draw", "zigzag", "--seed", "4", "--json").stdout)
+        self.assertNotEqual(other["points"][0]["values"], answer["points"][0]["values"])
+        for name in numpy.unique(labels[:, 1]):
+            words = ["--clamp", name, "--set", "inertia_ratio=2.4", "--set", "C_R=2.9", "--release", "1"]
+            moved, = json.loads(run("patterns", path, *words, "--json").stdout)["points"]
+            at = numpy.array(moved["values"])
+            self.assertTrue(moved["pattern"] == name or distance(at, labels[:, 1] == name) < 1e-12)
+            self.assertLessEqual(numpy.linalg.norm(scaled(at) - scaled(numpy.array([2.4, 2.9]))),
+                                 distance(numpy.array([2.4, 2.9]), labels[:, 1] == name) + 1e-12)
+        self.check_error(run("patterns", path, "--draw", "helix"), 2, "helix is 0 of 45 points of the box; there are")
+        self.check_error(run("patterns", path, "--draw", "zigzga"), 2, "zigzag")
+        self.check_error(run("patterns", path, "--draw", "zigzag", "--count", "0"), 2, "--count is 0")
+        self.check_error(run("patterns", path, "--draw", "zigzag", "--release", str(releases)), 2, f"there is no release {releases}")
+        self.check_error(run("patterns", path, "--clamp", "zigzag", "--set", "C_R=2"), 2, "--clamp has no value of inertia_ratio")
+        self.check_error(run("patterns", path, "--clamp", "zigzag", "--draw", "zigzag"), 2, "one of them was expected")
+        self.check_error(run("patterns", path, "--seed", "1"), 2, "--draw was expected")
+        self.check_error(run("patterns", path, "--release", "1"), 2, "--draw or --clamp was expected")
+        self.check_error(run("patterns", path, "--draw", "zigzag", "--set", "C_R=2"), 2, "--set is of the point that --clamp moves")
+        self.check_error(run("patterns", path, "--draw", "zigzag", "--report", FOLDER / "no.html"), 2, "--report is of the whole sweep")
+
     def test_a_sweep_interrupted_while_it_is_refined_goes_on_without_its_falls_again(self):
         plan = write("finer.toml", PLATES.replace("until = 120", "until = 400") + "[refine]\nrounds = 6\n")
         path, part = FOLDER / "finer.h5", FOLDER / "finer.h5.part"
@@ -306,7 +346,7 @@ class Patterns(Case):
         self.assertEqual(text.returncode, 0, text.stderr)
         self.assertIn("agreement 0.667", text.stdout)
         answer = json.loads(run("patterns", swing, helix, "--length", "5 cm", "--json").stdout)
-        self.check_schema(answer)
+        self.assertEqual(answer["schema"], "samara-patterns/1")
         self.assertEqual([c["windows"][-1]["pattern"] for c in answer["captures"]], ["zigzag", "spiral"])
         self.check_error(run("patterns", swing, "--labels", labels), 2, "labels name the capture \"round\"")
         self.check_error(run("patterns", swing, "--class", "a=zigzag"), 2, "--labels was expected")

@@ -77,6 +77,14 @@ share = "cos(angle)"
             self.assertEqual(fitted.returncode, 0, fitted.stderr)
             found = json.loads((FOLDER / "tip.json").read_text())["coefficients"][0]
             self.assertAlmostEqual(found["value"], 1.1, delta=1e-4)
+        # So it is where a codebook covers a part of the box, and the integrator the rest.
+        part = write("pendulum_part.toml", plan.read_text().replace("[0.8, 1.4]", "[1.05, 1.4]"))
+        self.assertEqual(run("build", part, "-o", FOLDER / "pendulum_part.h5").returncode, 0)
+        config = write("tip_mixed.toml", 'outputs = ["tip"]\ncodebook = "pendulum_part.h5"\n[box]\nlength = [0.8, 1.4]\n')
+        fitted = run("fit", path, capture, "--config", config, "-o", FOLDER / "tip_mixed.json")
+        self.assertEqual(fitted.returncode, 0, fitted.stderr)
+        mixed = json.loads((FOLDER / "tip_mixed.json").read_text())["coefficients"][0]
+        self.assertAlmostEqual(mixed["value"], found["value"], delta=1e-5)
         for wrong, line in [('value = "length*sin(angl)"', 11), ('value = "length"', None), ('unit = "s"', None)]:
             key = wrong.split(" = ")[0]
             text = re.sub(key + ' = "[^"]*"', wrong, path.read_text().split("[outputs]")[1], count=1)

@@ -41,6 +41,7 @@ class Planning(Case):
         answer, files = planned()
         self.assertEqual(answer["status"], "found")
         self.assertLess(answer["deviation"], 0.02)
+        self.assertEqual(answer["schema"], "samara-motion/1")
         self.assertLess(answer["ghost"]["force_max"], 1e-2)
         fall = rows(files["csv"])
         again = FOLDER / "again.csv"
@@ -65,7 +66,9 @@ class Planning(Case):
         _, files = planned()
         result = run("ghost", "falling_plate", files["csv"], "--coefficients", files["h5"], "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertLess(json.loads(result.stdout)["force"]["rms"], 1e-3)
+        ghost = json.loads(result.stdout)
+        self.assertEqual(ghost["schema"], "samara-ghost/1")
+        self.assertLess(ghost["force"]["rms"], 1e-3)
         own = json.loads(run("ghost", "falling_plate", files["csv"], *PLATE, *BOX, "--json").stdout)
         lines = files["csv"].read_text().splitlines()
         x = [name.split("[")[0] for name in lines[0].split(",")].index("x")

@@ -1,5 +1,6 @@
 """What the tests of the command share: calling it as its users do, plans, and the form of errors."""
 
+import functools
 import json
 import os
 import pathlib
@@ -44,8 +45,44 @@ PATIENCE = float(os.environ.get("SAMARA_TEST_PATIENCE", "1"))
 LONGEST = 120 * PATIENCE
 
 
+def closed(schema):
+    """The same schema, by which no object holds what the schema does not name. Those that are published leave room for later fields."""
+    if isinstance(schema, list):
+        return [closed(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    parts = {key: {name: closed(part) for name, part in value.items()} if key == "properties" else closed(value) for key, value in schema.items()}
+    return {**parts, "additionalProperties": False} if "properties" in parts and "additionalProperties" not in parts else parts
+
+
+@functools.cache
+def schemas():
+    """The published schemas, closed, by their addresses."""
+    import jsonschema  # few tests need it
+
+    every = {}
+    for file in SCHEMAS.glob("*.json"):
+        schema = json.loads(file.read_text())
+        jsonschema.Draft202012Validator.check_schema(schema)
+        every[schema["$id"]] = closed(schema)
+    return every
+
+
+def check_schema(answer):
+    """An answer as JSON holds the schema that it names, and nothing else."""
+    import jsonschema
+
+    name, version = answer["schema"].split("/")
+    schema = next(schema for address, schema in schemas().items() if address.endswith(f"/{name}-{version}.json"))
+    jsonschema.Draft202012Validator(schema, resolver=jsonschema.RefResolver.from_schema(schema, store=schemas())).validate(answer)
+
+
 def run(*arguments):
-    return subprocess.run([SAMARA, *map(str, arguments)], capture_output=True, text=True, timeout=LONGEST)
+    """What the command does. An answer as JSON holds its schema, whoever asks."""
+    result = subprocess.run([SAMARA, *map(str, arguments)], capture_output=True, text=True, timeout=LONGEST)
+    if "--json" in arguments and result.stdout.startswith("{"):
+        check_schema(json.loads(result.stdout))
+    return result
 
 
 def write(name, text):
@@ -63,15 +100,6 @@ def book(name, plan):
 
 
 class Case(unittest.TestCase):
-    def check_schema(self, answer):
-        """An answer as JSON holds the schema that it names. @returns the name"""
-        import jsonschema  # few tests need it
-        name, version = answer["schema"].split("/")
-        schema = json.loads((SCHEMAS / f"{name}-{version}.json").read_text())
-        jsonschema.Draft202012Validator.check_schema(schema)
-        jsonschema.Draft202012Validator(schema).validate(answer)
-        return name
-
     def check_error(self, result, code, *parts):
         """One sentence on stderr that holds the parts, nothing on stdout, the documented exit code."""
         self.assertEqual(result.returncode, code, result.stderr)

@@ -92,6 +92,15 @@ class Syntheses(Case):
             if segment["got"] != "steady":
                 self.assertEqual(segment["got"], ("turn" if abs(turn) >= 0.6 * numpy.pi else "swing") + ("+" if turn > 0 else "-"))
 
+    def test_a_chain_of_counts_says_how_windows_follow_each_other(self):
+        chain = {"schema": "samara-chain/1", "symbols": ["autorotation", "zigzag"], "counts": [[30, 0], [0, 30]]}
+        self.check_schema(chain)
+        write("chain.json", json.dumps(chain))
+        motion = plan("chained.toml", "[sequence]\nchain = \"chain.json\"\nlength = 3\nevents = 2\n", PLAN.replace("height = 40", "height = 90"))
+        answer = json.loads(run("synthesize", motion, "-o", FOLDER / "chained.csv", "--json").stdout)["sequence"]
+        self.assertEqual((answer["origin"], len(answer["stretches"]), answer["asked"]), ("chain.json", 1, 1))
+        self.assertEqual(answer["had"], int(answer["stretches"][0]["asked"] == answer["stretches"][0]["got"]))
+
     def test_what_cannot_be_meant_is_refused_with_its_line(self):
         for more, part in [("[sequence]\nkinds = [\"swing\"]\n", "expected one of swing-"),
                            ("[sequence]\npatterns = [\"helix\"]\n", "helix is 0 of 60 falls"),

@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 
 #include "../allocation_counter.h"
+#include "samara/codebooks/book/certificate_points.h"
+#include "samara/codebooks/certify/certify_field.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
@@ -116,4 +118,67 @@ TEST_CASE("sources of one family share what is prepared for the same times, as l
   REQUIRE(sources[1]->evaluate(point(points, 0).subspan(1), other, &by_other));
   CHECK(one == other);
   CHECK(by_one == by_other);
+}
+
+namespace {
+
+/// u = k t over many nodes of space and elements of time, exact to round-off.
+Codebook field_over(int nodes, int elements) {
+  using samara::pgd::Axis;
+  using samara::pgd::AxisRole;
+  const Axis t = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, elements, 5);
+  const Axis k = Axis::chebyshev({"k"}, 0.0, 1.0, 2);
+  samara::pgd::SparseMatrix mass(nodes, nodes);
+  mass.setIdentity();
+  const Axis node = Axis::imported({"node", "1", AxisRole::space}, mass);
+  const samara::pgd::SeparatedField field({t, node, k}, {{"u", "K"}},
+                                          {t.nodes(), Eigen::VectorXd::Ones(nodes), k.nodes()},
+                                          Eigen::MatrixXd::Ones(1, 1));
+  ModelDescription model = sample_model();
+  model.name = "a field";
+  model.fixed.clear();
+  return Codebook(model, {Piece{{field}}});
+}
+
+}  // namespace
+
+TEST_CASE("the certificate of a field of 30,000 nodes holds blocks of it, however many times there are") {
+  constexpr int kNodes = 30000;
+  FieldReference reference;
+  reference.name = "k t";
+  reference.values = [](std::span<const double>, const std::vector<double>&, const Eigen::VectorXd&) {
+    return Eigen::MatrixXd();  // never all at once
+  };
+  reference.time_by_time = [](std::span<const double> q, const std::vector<double>& times,
+                              const Eigen::VectorXd& places, const FieldReference::Take& take) {
+    Eigen::VectorXd values(places.size());
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      values.setConstant(q[0] * times[i]);
+      values[17] += i == 33 ? 0.25 : 0.0;
+      take(i, values);
+    }
+  };
+  CertifyOptions options;
+  options.points = 1;
+  options.tolerance = 1e-6;
+  options.threads = 1;
+  long long least = 0;
+  for (const int elements : {4, 12}) {
+    const Codebook book = field_over(kNodes, elements);
+    const std::vector<double> times = certificate_times(book);
+    Certificate certificate;
+    const long long most =
+        allocation_counter::most_bytes_during([&] { certificate = certify(book, reference, options); });
+    const OutputError& error = certificate.outputs.front();
+    CHECK(error.max_si == Approx(0.25));
+    CHECK(error.worst[0] == times[33]);
+    CHECK(error.worst[1] == 17.0);
+    CHECK_FALSE(certificate.met);
+    if (elements == 4) least = most;
+    CAPTURE(times.size(), most);
+    CHECK(times.size() > 8 * static_cast<std::size_t>(elements));
+    // All times at once would be 8 bytes for each of them and of the nodes, several times over.
+    if (elements == 12) CHECK(most < 8LL * kNodes * static_cast<long long>(times.size()));
+    CHECK(most < least + least / 10);
+  }
 }

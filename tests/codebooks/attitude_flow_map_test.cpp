@@ -258,3 +258,82 @@ TEST_CASE("a body that tilts out of the box, and a codebook without a tilt, are 
   CHECK_THROWS_WITH(FlowMap(flat), Contains("the axes \"qx(0)\" and \"qy(0)\", with \"qw(0)\" fixed at 1 and "
                                             "\"qz(0)\" at 0"));
 }
+
+namespace {
+
+/// Upright and upside down alike: its axes are those of its inertia and of its added mass.
+std::string rolling_body(const std::string& more, const std::string& tolerance) {
+  return "model = \"kirchhoff_body\"\n[fixed]\nmass = 1.0\nI_xx = 0.4\nI_yy = 0.6\nI_zz = 0.9\n"
+         "K_11 = 0.1\nK_22 = 0.2\nK_33 = 0.6\nK_44 = 0.05\nK_55 = 0.1\ndisplaced_mass = 0.98\n" +
+         more + R"toml([box]
+"qx(0)" = [-1.02, 1.02]
+"qy(0)" = [-0.5, 0.5]
+"ux(0)" = [-0.3, 0.3]
+"uy(0)" = [-0.38, 0.38]
+"uz(0)" = [-0.38, 0.38]
+"wx(0)" = [2.5, 3.5]
+"wy(0)" = [-0.4, 0.4]
+"wz(0)" = [-0.4, 0.4]
+[time]
+end = 0.1
+[tolerance]
+relative = )toml" +
+         tolerance + "\n[builder]\nkind = \"sampling\"\n";
+}
+
+FlowMapResult rolled(const std::string& more, const std::string& tolerance, const std::vector<double>& start,
+                     const std::vector<double>& times, bool with_derivatives,
+                     samara::models::Trajectory& exact) {
+  const Plan plan = parse_plan(rolling_body(more, tolerance), "rolling.toml");
+  const BuildResult window = build(plan, {.certificate_points = 30});
+  INFO(window.message);
+  REQUIRE(window.met);
+  std::vector<std::string> free;
+  const auto model = samara::models::find_model("kirchhoff_body");
+  for (const auto& state : model->info().states) free.push_back(state.name + "(0)");
+  exact = samara::models::integrate({model, plan.fixed, free}, start, times, {}, with_derivatives);
+  FlowMap flow_map(window.book);
+  return flow_map.run(start, {}, times, with_derivatives);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a body that is alike upright and upside down rolls on through windows that start at tilts up to a "
+    "right angle") {
+  const std::vector<double> start = {5.0, -7.0, 2.0, 0.9, 0.2, 0.1, 0.4, 0.1, -0.05, -0.1, 3.0, 0.1, -0.1};
+  const std::vector<double> times = {0.3, 0.65, 1.0, 1.5, 3.0};
+  samara::models::Trajectory exact;
+  const FlowMapResult result = rolled("", "2e-3", start, times, true, exact);
+  INFO(result.message);
+  // It falls on, faster than the box holds in the end.
+  CHECK(result.status == FlowMapStatus::left_box);
+  CHECK_THAT(result.message, Contains("uy = ") || Contains("uz = "));
+  REQUIRE(result.reached == 1.5);
+  // Upside down on the way, and upright again.
+  const auto upright = [&](Eigen::Index i) {
+    const Eigen::Vector4d q = exact.states.row(i).segment<4>(3).transpose().normalized();
+    return 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]);
+  };
+  CHECK(upright(2) < -0.8);
+  CHECK(upright(3) > 0.2);
+  // Fifteen windows, each good to 2e-3 of ranges up to 1; even places and attitudes, whose ranges are a tenth of that.
+  const MatrixXd errors = (result.states - exact.states).topRows(4).cwiseAbs();
+  CHECK(errors.maxCoeff() < 15 * 2e-3);
+  CHECK(errors.leftCols(7).maxCoeff() < 15 * 4e-4);
+  for (std::size_t j = 0; j < 13; ++j) {
+    INFO("by " << j);
+    const VectorXd found = result.derivatives[3].col(static_cast<Eigen::Index>(j));
+    const VectorXd wanted = exact.sensitivities[j].row(3).transpose();
+    CHECK((found - wanted).cwiseAbs().maxCoeff() < 0.1 * (1.0 + wanted.cwiseAbs().maxCoeff()));
+  }
+}
+
+TEST_CASE("a bottom-heavy body leaves the box where it turns over, and it is said when") {
+  const std::vector<double> start = {0, 0, 0, 0.9, 0.2, 0.1, 0.4, 0.1, -0.05, -0.1, 3.0, 0.1, -0.1};
+  samara::models::Trajectory exact;
+  const FlowMapResult result = rolled("r_cz = -0.01\n", "5e-2", start, {0.2, 1.0}, false, exact);
+  CHECK(result.status == FlowMapStatus::left_box);
+  CHECK_THAT(result.left, Contains("q"));
+  CHECK(result.reached == 0.2);
+}

@@ -7,26 +7,37 @@
 #include <string>
 #include <vector>
 
+#include "flat_eval_variant.h"
 #include "samara/codebooks/capi/samara_eval.h"
 #include "samara/codebooks/file/flat_file.h"
 #include "samara/codebooks/query/query.h"
 
+/// By loops without vectors, as for compilers that are neither GCC nor Clang.
+extern const FlatEval kFlatEvalPlain;
+/// By the vectors of all machines that the tests may run on.
+extern const FlatEval kFlatEvalOneMachine;
+
 /// A flat file, asked through samara_eval.h and compared with the library.
 class FlatAnswers {
  public:
-  explicit FlatAnswers(const samara::codebooks::Codebook& book) : FlatAnswers(format_flat(book)) {}
-  explicit FlatAnswers(const std::string& bytes) {
+  /// samara_eval.h in C, as a program has it that is compiled like the tests.
+  static constexpr FlatEval kLinked = {&samara_eval_open_memory, &samara_eval_work_size, &samara_eval_point,
+                                       &samara_eval_close};
+
+  explicit FlatAnswers(const samara::codebooks::Codebook& book, const FlatEval& eval = kLinked)
+      : eval_(eval), book_(nullptr, eval.close) {
+    const std::string bytes = format_flat(book);
     samara_eval* opened = nullptr;
     const char* why = "";
-    if (samara_eval_open_memory(bytes.data(), bytes.size(), &opened, &why) != SAMARA_EVAL_DONE)
+    if (eval_.open_memory(bytes.data(), bytes.size(), &opened, &why) != SAMARA_EVAL_DONE)
       throw std::runtime_error(why);
     book_.reset(opened);
-    work_.resize(samara_eval_work_size(opened));
+    work_.resize(eval_.work_size(opened));
   }
 
   const samara_eval* book() const { return book_.get(); }
   samara_eval_status at(const double* x, double* values, double* gradient) {
-    return samara_eval_point(book_.get(), work_.data(), x, values, gradient);
+    return eval_.point(book_.get(), work_.data(), x, values, gradient);
   }
 
   /// The largest difference of values and derivatives from those of a query, each divided by the largest of its output
@@ -61,9 +72,7 @@ class FlatAnswers {
   }
 
  private:
-  struct Close {
-    void operator()(samara_eval* book) const { samara_eval_close(book); }
-  };
-  std::unique_ptr<samara_eval, Close> book_;
+  FlatEval eval_;
+  std::unique_ptr<samara_eval, decltype(FlatEval::close)> book_;
   std::vector<double> work_;
 };

@@ -1,8 +1,10 @@
 #include "samara/codebooks/file/flat_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,8 +22,24 @@ namespace {
 /// polynomial of degree n lose n^2 eps.
 constexpr double kRoundOff = 2e-12;
 
-/// Random points of the box, all its corners, and points that differ from them in one coordinate which lies on a border
-/// of pieces or of elements.
+/// Borders of pieces on a coordinate and, where it is no list of values, the doubles beside them, as far as they are in
+/// the box.
+std::vector<double> piece_borders(const Codebook& book, std::size_t k) {
+  const Coordinate& c = book.coordinates()[k];
+  std::set<double> found;
+  for (const Piece& piece : book.pieces()) {
+    const bool is_list = !piece.groups().front().axes()[k].has_elements();
+    for (const double border : {piece.lower()[k], piece.upper()[k]}) {
+      found.insert(border);
+      if (!is_list) found.insert({std::nextafter(border, -INFINITY), std::nextafter(border, INFINITY)});
+    }
+  }
+  std::erase_if(found, [&](double x) { return x < c.lower || x > c.upper; });
+  return {found.begin(), found.end()};
+}
+
+/// Random points of the box, all its corners, points that differ from them in one coordinate which lies on a border
+/// of pieces or of elements, and in two coordinates on or beside borders of pieces, where up to four of these meet.
 Eigen::MatrixXd telling_points(const Codebook& book) {
   const Eigen::MatrixXd random = random_points(book, 200, 5);
   std::vector<Eigen::VectorXd> points;
@@ -45,15 +63,32 @@ Eigen::MatrixXd telling_points(const Codebook& book) {
       }
     }
   }
+  for (std::size_t k = 0; k < d; ++k) {
+    for (std::size_t l = 0; l < k; ++l) {
+      for (const double at_k : piece_borders(book, k)) {
+        for (const double at_l : piece_borders(book, l)) {
+          points.emplace_back(random.col(next++ % random.cols()));
+          points.back()[static_cast<Eigen::Index>(k)] = at_k;
+          points.back()[static_cast<Eigen::Index>(l)] = at_l;
+        }
+      }
+    }
+  }
   Eigen::MatrixXd all(static_cast<Eigen::Index>(d), std::ssize(points));
   for (std::size_t j = 0; j < points.size(); ++j) all.col(static_cast<Eigen::Index>(j)) = points[j];
   return all;
 }
 
+/// The largest of samara_eval.h however it is compiled.
 double difference_of(const Codebook& book) {
-  FlatAnswers flat(book);
+  const Eigen::MatrixXd points = telling_points(book);
   Query query(book);
-  return flat.largest_difference(query, telling_points(book));
+  double largest = 0.0;
+  for (const FlatEval* const eval : {&FlatAnswers::kLinked, &kFlatEvalPlain, &kFlatEvalOneMachine}) {
+    FlatAnswers flat(book, *eval);
+    largest = std::max(largest, flat.largest_difference(query, points));
+  }
+  return largest;
 }
 
 /// Why bytes are refused; empty where they are not.

@@ -1,5 +1,7 @@
 // The ready field "heat_rod", from a plan to a file, against CVODE.
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -180,6 +182,37 @@ TEST_CASE("a rod that hardly changes, or not at all, is its straight line, solve
   Query zero(nothing.book);
   zero.values(std::vector{333.0, 0.05, 40.0}, value);
   CHECK(value[0] == 0.0);
+}
+
+TEST_CASE("a conductivity over three decades is met, against the series of sines") {
+  std::string text = replaced(kRodPlan, "conductivity = [15.0, 60.0]", "conductivity = [0.01, 10.0]");
+  text = replaced(text, "end = \"10 min\"", "end = \"4 h\"");
+  text = replaced(text, "relative = 1e-4", "relative = 1e-3");
+  const BuildResult built = build(parse_plan(text, "rod.toml"), {.certificate_points = kFewPoints});
+  CAPTURE(built.message, built.book.build().message);
+  REQUIRE(built.met);
+  CHECK(built.book.pieces().front().groups().front().axes()[2].transform() ==
+        samara::pgd::Transform::logarithm);
+  Query query(built.book);
+  Eigen::VectorXd value(1);
+  samara::pgd::Random random(11);
+  double worst = 0.0;
+  for (int p = 0; p < 300; ++p) {
+    const double k = p < 2 ? (p == 0 ? 0.01 : 10.0) : 0.01 * std::pow(1000.0, random.uniform());
+    const double t = 4.0 * 3600.0 * std::pow(random.uniform(), 3), s = random.uniform();
+    const double left = 100.0 * random.uniform(), right = 100.0 * random.uniform();
+    const double amplitude = 100.0 * random.uniform() - 50.0;
+    double exact = left + (right - left) * s;
+    for (int n = 1; n < 2000; n += 2) {
+      const double wave = n * std::numbers::pi;
+      exact += amplitude * 32.0 / std::pow(wave, 3) * std::sin(wave * s) *
+               std::exp(-wave * wave * k * t / (3.6e6 * 0.04));
+    }
+    query.values(std::vector{t, 0.2 * s, k, left, right, amplitude}, value);
+    worst = std::max(worst, std::abs(value[0] - exact));
+  }
+  // The series is cut off at 32/pi^3/(4 2000^2) of the amplitude; the range is that of the certificate.
+  CHECK(worst < 1e-3 * built.book.certificate()->outputs.front().range);
 }
 
 TEST_CASE("an end that is given on an axis of roots from zero takes as many nodes as digits") {

@@ -11,6 +11,8 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
+#include "samara/codebooks/composition/mixed_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/model/model_file.h"
@@ -18,6 +20,7 @@
 #include "samara/codebooks/query/derived_query.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/reference_trajectories.h"
 
 using namespace samara::codebooks;
 namespace models = samara::models;
@@ -244,6 +247,35 @@ outputs.hunted = { value = "hunt*prey*predator*(1 + 0.1 [1/s]*t)", unit = "1/s" 
   CHECK_THROWS_WITH(DerivedQuery(book, {.outputs = Names{"all", "prey", "all"}}), Contains("chosen twice"));
   CHECK_THROWS_WITH(DerivedQuery(book, {.outputs = Names{"al"}}), Contains("\"al\""));
   CHECK_THROWS_AS(some.values(std::vector{2.3, 1.2, 0.093}, z), samara::OutsideBoxError);
+}
+
+TEST_CASE("what a model derives is the same where trajectories come from a codebook and from an integrator") {
+  const std::string outputs = R"toml(outputs.all = "prey + predator"
+outputs.hunted = { value = "hunt*prey*predator*(1 + 0.1 [1/s]*t)", unit = "1/s" }
+)toml";
+  const Codebook book = build(parse_plan(kEquations + outputs + kBox, "hunters.toml"), few()).book;
+  const std::map<std::string, double> held = {{"gain", 0.05}, {"death", 0.5}};
+  const auto integrated = [&] {
+    return models::reference_trajectories(model_of(book).shared_model(), held,
+                                          {{"growth", {0.5, 1.5}}, {"hunt", {0.09, 0.11}}});
+  };
+  const auto mixed = mixed_trajectories(book, integrated());
+  const std::vector<std::string> all = {"prey", "predator", "all", "hunted"};
+  CHECK(models::output_names(mixed->info()) == all);
+  const std::vector<double> times = {0.5, 2.0, 5.0};
+  const std::vector<std::string> wanted = {"hunted", "prey", "all"};
+  const auto answers = [&](const models::TrajectoryFamily& family, const std::vector<double>& q) {
+    return models::trajectory(family, q, times, wanted, models::Derivatives::yes);
+  };
+  const std::vector<double> inside = {1.04, 0.093}, outside = {1.3, 0.093};
+  const auto of_book = answers(*codebook_trajectories(book), inside), both = answers(*mixed, inside);
+  CHECK(both.values == of_book.values);
+  CHECK(both.derivatives == of_book.derivatives);
+  const auto exact = answers(*integrated(), outside), beyond = answers(*mixed, outside);
+  CHECK(beyond.values == exact.values);
+  CHECK(beyond.derivatives == exact.derivatives);
+  // Where both answer they differ by the codebook's error, 1e-5 of ranges of ten.
+  CHECK((answers(*integrated(), inside).values - both.values).cwiseAbs().maxCoeff() < 1e-3);
 }
 
 TEST_CASE("models that are added are known by their names, and take nobody else's") {

@@ -271,7 +271,7 @@ TEST_CASE("a build by sampling that was cancelled leaves its calls, which are no
   options.progress = [](const samara::Progress& report) { return report.stage != "certificate"; };
   const BuildResult cancelled = built(plan, options);
   CHECK(cancelled.resumable);
-  const std::vector<CallSheet> calls = load_calls(options.checkpoint, plan);
+  const std::vector<CallSheet> calls = Checkpoint(options.checkpoint, plan).calls();
   std::size_t count = 0;
   for (const CallSheet& sheet : calls) count += sheet.points.size() / 2;
   // Corners may be called on the grid and off it.
@@ -289,11 +289,12 @@ TEST_CASE("a checkpoint that is none, or holds calls of another box, is refused"
   const std::string plan = coin_plan_of("kind = \"sampling\"\n");
   const BuildOptions options{.certificate_points = 20, .checkpoint = directory / "c", .resume = true};
   put_content(options.checkpoint, "state");
-  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), Contains("not an HDF5 file"));
-  save_calls(options.checkpoint, "another plan", {{{}, {1.0, 2.0}, {3.0}}}, 2);
+  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
+             Contains("this is no checkpoint"));
+  Checkpoint(options.checkpoint, "another plan").save_calls({{{}, {1.0, 2.0}, {3.0}}});
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
              EndsWith("--fresh begins anew, and removes it"));
-  save_calls(options.checkpoint, plan, {{{0.0, 0.1}, {1.0, 2.0}, {3.0}}}, 2);
+  Checkpoint(options.checkpoint, plan).save_calls({{{0.0, 0.1}, {1.0, 2.0}, {3.0}}});
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
              Contains("other coordinates or outputs than the plan"));
 }
@@ -303,13 +304,14 @@ TEST_CASE("calls and the engine's state keep each other in one checkpoint") {
   const auto file = directory / "c";
   const std::vector<CallSheet> calls = {{{}, {1.0, 2.0, 3.0, 4.0}, {5.0, 6.0}, 0.25},
                                         {{0.0, 0.5}, {7.0, 8.0}, {9.0, 10.0}, 61.0}};
-  save_calls(file, "plan", calls, 2);
-  CHECK(load_march(file, "plan").empty());
+  Checkpoint of_calls(file, "plan"), of_march(file, "plan");
+  of_calls.save_calls({calls[0]});
+  CHECK(Checkpoint(file, "plan").march().empty());
   const std::vector<double> state = {17.0, 1.0 / 3.0};
-  save_march(file, "plan", state);
-  save_calls(file, "plan", calls, 2);
-  CHECK(load_march(file, "plan") == state);
-  const std::vector<CallSheet> loaded = load_calls(file, "plan");
+  of_march.save_march(state);
+  of_calls.save_calls(calls);
+  CHECK(of_march.march() == state);
+  const std::vector<CallSheet> loaded = of_march.calls();
   REQUIRE(loaded.size() == 2);
   for (std::size_t s = 0; s < 2; ++s) {
     CHECK(loaded[s].times == calls[s].times);
@@ -317,8 +319,12 @@ TEST_CASE("calls and the engine's state keep each other in one checkpoint") {
     CHECK(loaded[s].values == calls[s].values);
     CHECK(loaded[s].seconds == calls[s].seconds);
   }
-  save_calls(file, "another", calls, 2);  // whose state this is not
-  CHECK(load_march(file, "another").empty());
+  Checkpoint another(file, "another");  // whose state this is not
+  another.save_calls(calls);
+  CHECK(another.march().empty());
+  // Of a build that begins anew, which has asked for something else.
+  Checkpoint(file, "another").save_calls({{{}, {1.0, 2.5}, {5.5}, 0.25}});
+  CHECK(another.calls()[0].points == std::vector<double>{1.0, 2.5});
 }
 
 TEST_CASE("the kind auto chooses sampling where its trial suffices, and says why") {

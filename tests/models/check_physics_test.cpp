@@ -174,6 +174,17 @@ TEST_CASE("forces that do not add up to the rate of the energy are found") {
   CHECK(findings(heavier).empty());
 }
 
+TEST_CASE("a term that gives the power it is said to take, or not to touch, is found") {
+  FunctionModel model = falling(falling_rates);
+  model.info_.force_terms[0].description = "against the velocity; takes power";
+  CHECK(findings(model).empty());
+  model.info_.force_terms[0].description = "no power";
+  CHECK_THAT(findings(model), Contains("the force term \"drag\" is said to do no power, and gives -"));
+  model.info_.force_terms[0].description.clear();
+  model.info_.force_terms[1].description = "takes power";
+  CHECK_THAT(findings(model), Contains("the force term \"weight\" is said to take power, and gives "));
+}
+
 TEST_CASE("a force or an energy that is not a number is found") {
   FunctionModel model = falling(falling_rates);
   const FunctionModel::Forces forces = model.forces_;

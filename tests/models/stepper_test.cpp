@@ -73,6 +73,40 @@ TEST_CASE("lanes whose parameters rest take the steps of a batch, to the bit") {
   }
 }
 
+TEST_CASE(
+    "after a ramp lanes take the steps of a batch at its target, to the bit, and what is driven is set as it "
+    "is") {
+  const std::array<double, 4> start = {0.3, -0.2, 0.1, 0.4};
+  std::vector<std::string> free = {"C_R", "C_T"};
+  for (const char* name : {"vx(0)", "vy(0)", "w(0)", "theta(0)"}) free.emplace_back(name);
+  const ParametricModel plate(find_model("falling_plate_nd"), {{"inertia_ratio", 1.1}}, free);
+  constexpr double kStep = 1.0 / 256.0;
+  Stepper lanes(plate, {"C_R"}, 40, {.driven = {"C_T"}});
+  Eigen::MatrixXd points(40, 6);
+  for (Eigen::Index n = 0; n < 40; ++n) {
+    // Pairs of which from + 1 * (to - from) is often not `to`.
+    const double from = 1.0 + 0.1 * std::sin(3.7 * double(n)), to = 2.0 + 0.7 * std::sin(5.3 * double(n));
+    points.row(n) << to, 0.9 + 0.01 * double(n), start[0], start[1], start[2], start[3];
+    lanes.load(n, std::array{from, 1.2, start[0], start[1], start[2], start[3]});
+    lanes.ramp(n, std::array{to}, 4 * kStep);
+  }
+  lanes.step(kStep, 8);
+  for (Eigen::Index n = 0; n < 40; ++n) {
+    std::array<double, 1> value;
+    lanes.read_parameters(n, value);
+    CHECK(value[0] == points(n, 0));
+    lanes.drive(n, std::array{points(n, 1)});
+    std::vector<double> again(6, 0.0);
+    std::copy(start.begin(), start.end(), again.begin());  // vx, vy, w, theta
+    lanes.set_state(n, 0.0, again);
+  }
+  lanes.step(kStep, 64);
+  const BatchTrajectories batch = integrate_batch(plate, points, std::array{64 * kStep}, {.step = kStep});
+  for (Eigen::Index n = 0; n < 40; ++n) {
+    for (Eigen::Index i = 0; i < 6; ++i) CHECK(lanes.state(i, n) == batch.states(i, n));
+  }
+}
+
 TEST_CASE("steps have order two while parameters move and four while they rest, against CVODES") {
   const auto moving = following(find_model("falling_plate_nd"), std::make_shared<Ramp>(kFirst, kSecond));
   const ParametricModel model(moving, kThrown, {});
@@ -189,6 +223,7 @@ TEST_CASE("steering and stepping do not allocate") {
             cards.read(3, state);
           }
           cards.set_state(4, 0.0, state);
+          cards.load(4, std::array{1.1});
         }) == 0);
 }
 
@@ -209,5 +244,6 @@ TEST_CASE("a model without kernels is steered like one with them") {
 TEST_CASE("what cannot be steered is refused by name") {
   CHECK_THROWS_WITH(Stepper(flutter(), {"C_T"}, 1), Catch::Contains("\"C_T\" was to be steered"));
   CHECK_THROWS_WITH(Stepper(flutter(), {"C_R", "C_R"}, 1), Catch::Contains("twice"));
+  CHECK_THROWS_WITH(Stepper(flutter(), {"C_R"}, 1, {.driven = {"C_R"}}), Catch::Contains("twice"));
   CHECK_THROWS_WITH(Stepper(flutter(), {"C_R"}, 0), Catch::Contains("lanes is 0"));
 }

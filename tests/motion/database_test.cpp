@@ -76,7 +76,11 @@ TEST_CASE(
     "the segments found nearest are those of all comparisons, symmetric copies included, of any kind or "
     "one") {
   const MotionDatabase database = build_database(plates(40));
-  const SegmentTree tree(database);
+  std::vector<Eigen::Index> right_turns;
+  for (Eigen::Index n = 0; n < database.segment_count(); ++n) {
+    if (database.segments[static_cast<std::size_t>(n)].kind == EventKind::turn_plus) right_turns.push_back(n);
+  }
+  const SegmentTree tree(database), of_kind(database, right_turns);
   const MovingStates& moving = tree.moving_states();
   const StateMetric metric = database.metric();
   const auto place = [&](const Eigen::VectorXd& state, int copy) {
@@ -101,8 +105,7 @@ TEST_CASE(
       }
       std::ranges::sort(all);
       std::array<NearSegment, 8> found;
-      const std::size_t count = any ? tree.nearest(row_span(state), found)
-                                    : tree.nearest(row_span(state), found, EventKind::turn_plus);
+      const std::size_t count = (any ? tree : of_kind).nearest(row_span(state), found);
       REQUIRE(count == 8);
       for (std::size_t k = 0; k < count; ++k) CHECK(found[k].distance == Approx(all[k].first).margin(1e-9));
     }

@@ -1,11 +1,14 @@
 // Maps of patterns: what lies where, refining, clamping, shares over releases.
 #include "samara/motion/sweeps/pattern_map.h"
 
+#include <filesystem>
+
 #include <catch2/catch.hpp>
 
 #include "plates_sweep.h"
 #include "samara/motion/sweeps/phase_diagram.h"
 #include "samara/motion/sweeps/refining.h"
+#include "samara/motion/sweeps/sweep_file.h"
 
 using namespace samara::motion;
 
@@ -122,6 +125,60 @@ TEST_CASE("a refined grid runs only what lies between different labels") {
   REQUIRE(refine(drawn, {}, sample));
   CHECK(sample.points.rows() == 120);
   CHECK(sample.fall_count() == 240);
+}
+
+TEST_CASE("a refined sweep knows the round of each of its points, and goes on after the last that was kept") {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
+  const std::filesystem::path file = folder / "samara_rounds.h5", part = folder / "samara_rounds.part";
+  const std::string from = "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]";
+  for (const bool is_grid : {true, false}) {
+    const SweepPlan plan =
+        is_grid ? plates("[refine]\nrounds = 2\n")
+                : plates("[sample]\ncount = 40\nseed = 3\n[refine]\nrounds = 2\n", from,
+                         "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
+    std::filesystem::remove(part);
+    const Sweep begun = run_sweep(plan, {.checkpoint = part}).sweep;
+    Sweep whole = begun, halted = begun;
+    REQUIRE(refine_by_plan(plan, {}, whole).complete);
+    // In the second round it is stopped: what the first has found is kept.
+    const auto stop = [&](const samara::Progress&) { return halted.rounds.size() < 2; };
+    CHECK_FALSE(refine_by_plan(plan, {.progress = stop, .checkpoint = part}, halted).complete);
+    REQUIRE(std::filesystem::exists(part));
+    SweepResult taken = run_sweep(plan, {.checkpoint = part});
+    CHECK(taken.complete);
+    CHECK(taken.sweep.points.rows() == halted.points.rows());
+    REQUIRE(taken.sweep.rounds.size() == 2);
+    CHECK(taken.sweep.rounds[1].agreement == halted.rounds[1].agreement);
+    const RefiningResult rest = refine_by_plan(plan, {.checkpoint = part}, taken.sweep);
+    CHECK(rest.complete);
+    CHECK(rest.message == "all 2 rounds");
+    CHECK(rest.rounds.size() == 3);
+    CHECK_FALSE(std::filesystem::exists(part));
+    CHECK(taken.sweep.points == whole.points);
+    REQUIRE(taken.sweep.fall_count() == whole.fall_count());
+    for (std::size_t n = 0; n < whole.labels.size(); ++n)
+      CHECK(taken.sweep.labels[n].pattern == whole.labels[n].pattern);
+    // Counted by where points lie: of a grid those between old ones are of a later round.
+    save(taken.sweep, file);
+    const Sweep read = load_sweep(file);
+    CHECK(read.round_of_point == whole.round_of_point);
+    REQUIRE(read.rounds.size() == 3);
+    std::vector<Eigen::Index> counts(3, 0);
+    for (Eigen::Index n = 0; n < read.points.rows(); ++n) {
+      const int round = read.round_of_point[static_cast<std::size_t>(n)];
+      REQUIRE(round >= 0);
+      REQUIRE(round < 3);
+      ++counts[static_cast<std::size_t>(round)];
+      const bool is_first = (begun.points.rowwise() - read.points.row(n)).rowwise().norm().minCoeff() < 1e-12;
+      CHECK(is_first == (round == 0));
+    }
+    Eigen::Index points = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      points += counts[k];
+      CHECK(read.rounds[k].points == points);
+      CHECK(read.rounds[k].agreement == whole.rounds[k].agreement);
+    }
+  }
 }
 
 TEST_CASE("a refined grid keeps the trajectories of the falls that were run") {

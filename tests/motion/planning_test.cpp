@@ -9,6 +9,7 @@
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 #include "samara/motion/ghost/ghost_force.h"
+#include "samara/motion/planning/fall_lanes.h"
 #include "samara/motion/planning/planner.h"
 
 using namespace samara::motion;
@@ -236,6 +237,36 @@ TEST_CASE("paths and boxes of which no ghost can be told are refused by name") {
                     Catch::Contains("in a plane"));
   path.poses(5, 2) = std::nan("");
   CHECK_THROWS_WITH(ghost_force(plain, path), Catch::Contains("frame 5"));
+}
+
+TEST_CASE("decisions of a plan fall beside the events that a database has, and the ghost counts the same") {
+  const MotionPlan plan = slanted_plan();
+  const PlannedFall fall(plan);
+  const FallPoint release = fall.release();
+  std::vector<FallPiece> pieces(1);
+  const samara::ProgressCallback nobody;
+  samara::SharedProgress progress(nobody, "falls", 1.0);
+  FallLanes(fall).run(std::vector<Continuation>{{.from = &release, .target = fall.natural()}}, pieces,
+                      progress);
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(1601, 0.0, 16.0);
+  const Trajectory motion = integrate(ParametricModel(plan.model, plan.fixed, {}), {}, {times.data(), 1601});
+  const double speed = plan.scales().velocity;
+  const EventList list = events_of(MovingStates(plan.model->info(), BodySymmetry::none),
+                                   event_options(speed * speed, 2.0 * plan.semi_length()),
+                                   {times.data(), 1601}, motion.states.transpose());
+  REQUIRE(list.events.size() >= 2);
+  CHECK(pieces[0].kind == list.events[0].kind);
+  CHECK(std::abs(pieces[0].to.t - list.events[0].t) <= plan.search.step);
+  const EventList of_path = [&] {
+    const Eigen::Index last = times.size() - 1 - kEndFrames, count = last - kEndFrames + 1;
+    const Eigen::MatrixXd states = motion.states.middleRows(kEndFrames, count).transpose();
+    const double square = states.topRows(2).colwise().squaredNorm().mean();
+    return events_of(MovingStates(plan.model->info(), BodySymmetry::none), event_options(square, 2.0),
+                     {times.data() + kEndFrames, static_cast<std::size_t>(count)}, states);
+  }();
+  CHECK(ghost_force(ParametricModel(plan.model, plan.fixed, {}),
+                    path_of(plan.model->info(), times, motion.states))
+            .events == std::ssize(of_path.events));
 }
 
 TEST_CASE("a planned fall is one solution that follows its sketch, whatever the threads") {

@@ -1,5 +1,8 @@
 """Patterns, sweeps, winds, flows and clouds, beside the command and plain formulas."""
 
+import json
+import re
+
 import h5py
 import numpy as np
 import pytest
@@ -66,7 +69,7 @@ def test_a_sweep_is_a_frame_and_a_map_and_a_page(tmp_path):
     assert (steady["flips"] < swept.thresholds["flips_plane"]).all()
 
 
-def test_a_sweep_that_is_ended_keeps_what_was_done():
+def test_a_sweep_that_is_ended_keeps_what_was_done(tmp_path):
     plan = {**PLATES, "axes": {"inertia_ratio": {"from": 0.8, "to": 2.4, "count": 900}, "C_R": [2.2, 2.7, 3.2]}}
     ended = samara.sweep(plan, progress=lambda stage, fraction: fraction < 0.3, threads=1)
     assert not ended.complete and "cancelled" in ended.message
@@ -74,6 +77,12 @@ def test_a_sweep_that_is_ended_keeps_what_was_done():
     refined = samara.sweep({**PLATES, "refine": {"rounds": 1}}, progress=False)
     assert [points for points, *_ in refined.rounds] == [27, 17 * 5]
     assert refined.rounds[0][1] == 27 and refined.rounds[1][1] == (refined.status[::2] != "inherited").sum()
+    # The points of the plan are of round 0, in the file as well.
+    refined.save(tmp_path / "refined.h5")
+    again = samara.Sweep.open(tmp_path / "refined.h5")
+    assert again.rounds == refined.rounds and list(np.bincount(again.round_of_point)) == [27, 17 * 5 - 27]
+    whole = samara.sweep(PLATES, progress=False)
+    np.testing.assert_array_equal(again.points[again.round_of_point == 0], whole.points)
 
 
 def test_records_of_captures_are_labelled_as_the_command_labels_them(tmp_path):
@@ -101,6 +110,100 @@ def test_records_of_captures_are_labelled_as_the_command_labels_them(tmp_path):
     assert samara.pattern_thresholds(veers=3.0)["veers"] == 3.0 and samara.pattern_thresholds()["veers"] == 2.5
 
 
+def test_the_map_of_a_sweep_draws_and_clamps_as_the_command_does(tmp_path):
+    swept = samara.sweep(PLATES, progress=False)
+    swept.save(tmp_path / "plates.h5")
+    drawn = swept.draw("zigzag", 5, seed=4, release=1)
+    told = answer("patterns", tmp_path / "plates.h5", "--draw", "zigzag", "--count", 5, "--seed", 4, "--release", 1)
+    np.testing.assert_array_equal(drawn, [point["values"] for point in told["points"]])
+    # The first ones do not depend on how many there are.
+    np.testing.assert_array_equal(swept.draw("zigzag", 2, seed=4, release=1), drawn[:2])
+    moved = swept.clamp("zigzag", [[[2.4, 3.2]], [drawn[0]]], release=1)
+    assert moved.shape == (2, 1, 2)
+    # Where the map has it, or a fall of it that stands alone.
+    own = swept.points[swept.labels[1::2] == "zigzag"]
+    for place, called in zip(moved[:, 0], swept.at(moved[:, 0], release=1)[0]):
+        assert called == "zigzag" or np.abs(own - place).max(axis=1).min() < 1e-12
+    assert swept.at(drawn[0], release=1)[0] != "zigzag" or np.allclose(moved[1, 0], drawn[0], rtol=1e-12)
+    with pytest.raises(samara.ArgumentError, match="helix is 0 of 27 points"):
+        swept.draw("helix")
+    with pytest.raises(samara.ArgumentError, match="no release 2"):
+        swept.clamp("zigzag", [1.0, 2.5], release=2)
+
+
+def test_clusters_and_agreement_are_those_of_plain_formulas(tmp_path):
+    random = np.random.default_rng(2)
+    centres = np.array([[0.0, 0.0], [5.0, 0.0], [0.0, 6.0]])
+    truth = np.repeat([0, 1, 2], [60, 40, 20])
+    points = centres[truth] + 0.3 * random.standard_normal((120, 2))
+    for found in [samara.k_means(points, 3, seed=5), samara.gaussian_mixture(points, 3)]:
+        assert found.converged and samara.adjusted_rand(truth, found.assignment) == 1.0
+        np.testing.assert_array_equal(found.assignment, truth)  # the largest first
+        np.testing.assert_allclose(found.centres, [points[truth == k].mean(0) for k in range(3)], atol=1e-6)
+    spread = sum(((points[truth == k] - points[truth == k].mean(0)) ** 2).sum() for k in range(3))
+    assert abs(samara.k_means(points, 3).objective - spread) < 1e-9
+    # Hubert and Arabie: pairs that both put together, beyond what chance does.
+    assert abs(samara.adjusted_rand(list("aabbcc"), [1, 1, 2, 2, 2, 3]) - (2 - 3 * 4 / 15) / ((3 + 4) / 2 - 3 * 4 / 15)) < 1e-12
+    with pytest.raises(samara.ArgumentError, match=r"points have the shape \(120,\)"):
+        samara.k_means(points[:, 0], 3)
+    with pytest.raises(samara.ArgumentError):
+        samara.k_means(points[:2], 3)
+    swept = samara.sweep(PLATES, progress=False)
+    falls, kinds = swept.clusters(3, ["tilt", "flips"], release=1)
+    assert (falls % 2 == 1).all() and len(kinds.assignment) == len(falls) and kinds.centres.shape == (3, 2)
+    with pytest.raises(samara.ArgumentError, match="did you mean"):
+        swept.clusters(3, ["titl"])
+
+
+def test_a_persons_labels_are_compared_as_the_command_compares_them(tmp_path):
+    t = np.arange(0, 12, 0.02)
+    swings = np.stack([0.1 * np.sin(6 * t), 0 * t, -0.4 * t], 1)
+    tables = {name: {"t[s]": t, **{f"{c}[m]": v for c, v in zip("xyz", path.T)}} for name, path in [("a", helix(t)), ("b", swings)]}
+    files = []
+    for name, columns in tables.items():
+        files.append(tmp_path / f"{name}.csv")
+        files[-1].write_text(",".join(columns) + "\n" + "\n".join(",".join(f"{v!r}" for v in row) for row in zip(*(c.tolist() for c in columns.values()))) + "\n")
+    rows = [("a", 0, 500, "round"), ("b", 0, 400, "swing"), ("b", 100, 599, "round")]
+    classes = {"round": ["spiral", "helix"], "swing": "zigzag"}
+    both = samara.agreement(rows, tables, classes, length="5 cm")
+    assert both.words == ["round", "swing", "other"] and both.confusion.tolist() == [[1, 1, 0], [0, 1, 0], [0, 0, 0]]
+    assert abs(both.share - 2 / 3) < 1e-15 and abs(both.balanced - 0.75) < 1e-15
+    assert abs(both.kappa - (2 / 3 - 4 / 9) / (1 - 4 / 9)) < 1e-12
+    assert [segment[4] for segment in both.segments] == ["spiral", "zigzag", "zigzag"]
+    labels = tmp_path / "labels.csv"
+    labels.write_text("capture,first_frame,last_frame,label\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    told = answer("patterns", *files, "--length", "5 cm", "--labels", labels, "--class", "round=spiral+helix", "--class", "swing=zigzag")["labels"]
+    same = samara.agreement(labels, files, classes, length="5 cm")
+    assert told["kappa"] == same.kappa and told["confusion"] == same.confusion.tolist() and told["words"] == same.words
+    with pytest.raises(samara.ArgumentError, match='is "swings", which stands for nothing; did you mean "swing"'):
+        samara.agreement([("a", 0, 500, "swings")], tables, classes)
+    with pytest.raises(samara.ArgumentError, match="label 0 goes from frame 9 to 3"):
+        samara.agreement([("a", 9, 3, "swing")], tables, classes)
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(rows, columns=["capture", "first_frame", "last_frame", "label"])
+    assert samara.agreement(frame, tables, classes, length=0.05).frame["pattern"].tolist() == ["spiral", "zigzag", "zigzag"]
+
+
+def test_landings_of_a_sweep_are_counted_by_pattern():
+    pandas = pytest.importorskip("pandas")
+    plan = {"model": "immersed_body", "fixed": {key: LEAF[key] for key in ("a", "b", "c", "density", "C_D0", "C_w")},
+            "axes": {name: {"from": 0.4, "to": 2.6, "count": 2} for name in ("C_D90", "C_T", "C_R")},
+            "releases": {"tilt": ["10 deg", "30 deg"]}, "run": {"until": "2 s", "step": "1 ms", "settle": "0.3 s", "height": "0.5 m"}}
+    swept = samara.sweep(plan, progress=False)
+    told = swept.landing_statistics(release=1)
+    assert isinstance(told, pandas.DataFrame) and told["landed"].sum() == np.isfinite(swept.landing[1::2, 0]).sum() > 0
+    for row in told.itertuples():
+        landed = swept.landing[1::2][swept.labels[1::2] == row.pattern]
+        landed = landed[np.isfinite(landed[:, 0])]
+        assert row.landed == len(landed) and abs(row.share - (swept.labels[1::2] == row.pattern).mean()) < 1e-15
+        if len(landed) > 1:
+            np.testing.assert_allclose([row.x, row.y, row.time], landed.mean(0), atol=1e-15)
+            np.testing.assert_allclose([[row.xx, row.xy], [row.xy, row.yy]], np.cov(landed[:, :2].T), atol=1e-15)
+            np.testing.assert_allclose(row.x_error, landed[:, 0].std(ddof=1) / np.sqrt(len(landed)), atol=1e-15)
+    with pytest.raises(samara.ArgumentError, match="no release 2"):
+        swept.landing_statistics(2)
+
+
 def test_patterns_are_frames(tmp_path):
     pytest.importorskip("pandas")
     t = np.arange(0, 12, 0.02)
@@ -114,6 +217,14 @@ def test_patterns_are_frames(tmp_path):
     assert len(found.transitions) == 0
     found.report(tmp_path / "page.html")
     assert "Patterns of captures" in (tmp_path / "page.html").read_text()
+    assert "does not say which body falls" in (tmp_path / "page.html").read_text()
+    disc = samara.regime("immersed_body", {"a": "1 cm", "b": "1 cm", "c": "0.75 mm", "density": 2700, "fluid_density": 1000, "nu": 1e-6})
+    found.report(tmp_path / "page.html", body=disc)
+    data = json.loads(re.search(r'id="patterns">(.*?)</script>', (tmp_path / "page.html").read_text(), re.S)[1])
+    shown, = data["diagram"]["bodies"]
+    assert (shown["Re"], shown["I_disc"], shown["regime"]) == (disc.Re, disc.I_disc, "chaotic")
+    with pytest.raises(samara.ArgumentError, match="expected a samara.Regime"):
+        found.report(tmp_path / "page.html", body="immersed_body")
 
 
 def test_a_regime_is_that_of_the_command():
@@ -238,10 +349,14 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
         positions, _ = leaves[0].poses(*room)
         assert positions is room[0]
     assert leaves[0].falling == 0 and set(leaves[0].status) == {"landed"}
+    counts = leaves[0].counts
+    assert counts["events"] == counts["drawn"] >= counts["planned"] >= counts["kept"] > 0 and 0 < counts["taken"] <= counts["drawn"]
     np.testing.assert_allclose(positions[:, 2], 0, atol=1e-12)
     with pytest.raises(samara.ArgumentError, match="choice is"):
         samara.Bodies(motions, 3, choice="best")
     with pytest.raises(samara.ArgumentError, match="count of bodies"):
         samara.Bodies(motions, 0)
+    with pytest.raises(samara.ArgumentError, match="9 tries were asked for"):
+        samara.Bodies(motions, 1, tries=9)
     with pytest.raises(samara.InputError, match="no.h5"):
         samara.Motions.open(tmp_path / "no.h5")

@@ -170,6 +170,23 @@ key = "{LONG}"
         self.assertGreater(len([line for line in after if line.startswith("     word")]), 0)
 
 
+class Schemas(unittest.TestCase):
+    """Answers as JSON, docs/schemas; samara_case.py compares each that a test asks for with its schema."""
+
+    OF_PAGES = {"samara-patterns-page/1", "samara-motion-page/1"}  # what pages carry is nobody else's
+
+    def test_every_answer_has_a_schema_and_every_schema_a_call(self):
+        written = set()
+        for folder in ("apps", "codebooks", "flow", "identification", "motion"):
+            for file in (ROOT / folder).rglob("*.cpp"):
+                written |= set(re.findall(r'"(samara-[a-z-]+/[0-9]+)"', file.read_text()))
+        published = {f"{stem}/{version}" for stem, version in (file.stem.rsplit("-", 1) for file in (ROOT / "docs" / "schemas").glob("*.json"))}
+        self.assertEqual(written - self.OF_PAGES, published)
+        tests = "".join(file.read_text() for file in (ROOT / "tests" / "apps").glob("*_test.py"))
+        for name in published:
+            self.assertTrue(f'"{name}"' in tests, f"no test asks for {name}")
+
+
 class Texts(unittest.TestCase):
     """A formatter that takes a file for another kind breaks what is shown of it."""
 

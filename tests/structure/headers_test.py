@@ -7,7 +7,7 @@ import sys
 
 root = pathlib.Path(sys.argv[1])
 # Each file there is one law or field, and defines the function of its name that the registry declares.
-ALL_OF_ONE_KIND = {"models/fields", "models/laws", "pgd/nonlinear"}
+ALL_OF_ONE_KIND = {"models/fields", "models/laws", "models/wakes", "pgd/nonlinear"}
 OF_THE_STANDARD_LIBRARIES = {"limits.h", "math.h", "stddef.h", "stdint.h", "stdio.h", "stdlib.h", "string.h", "experimental/simd"}
 wrong = []
 installed = 0

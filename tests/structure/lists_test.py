@@ -4,8 +4,8 @@ import pathlib
 import re
 import sys
 
-# The libraries take the sources of their folders as they lie there.
-ROOMS = ["apps", "benchmarks", "examples", "python", "tests"]
+# The libraries and the command take the sources of their folders as they lie there.
+ROOMS = ["benchmarks", "examples", "python", "tests"]
 
 root = pathlib.Path(sys.argv[1])
 missing = []

@@ -1,12 +1,13 @@
-"""Fails if two sources of a folder give an anonymous namespace the same name: they may share a compilation
-(SAMARA_UNITY_BUILD), where the two would meet."""
+"""Fails if two sources of a folder, or of the command, give an anonymous namespace the same name: they may share a
+compilation (SAMARA_UNITY_BUILD), where the two would meet."""
 
 import pathlib
 import re
 import sys
 
-ALONE = {"models/laws"}  # compiled one by one, with flags of their own
+ALONE = {"models/laws", "models/wakes"}  # compiled one by one, with flags of their own
 ROOMS = ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion", "python", "apps", "tests"]
+ACROSS_FOLDERS = {"apps"}
 
 # At the start of a line, as the formatter has it: constants, types, aliases, and functions with what they take.
 CONSTANT = re.compile(r"^(?:inline )?(?:static )?(?:constexpr|const) [^=;({]*?(\w+)(?: =|\[|\{|\()", re.M)
@@ -42,7 +43,8 @@ for room in ROOMS:
             continue
         for name, meaning in names_of(file):
             seen += 1
-            other, known = first.setdefault((file.parent, name), (file, meaning))
+            scope = room if room in ACROSS_FOLDERS else file.parent
+            other, known = first.setdefault((scope, name), (file, meaning))
             if known != meaning:
                 wrong.append(f"{file.relative_to(root)}: {name} is also in {other.name}")
 print("\n".join(wrong) or f"{seen} names, each of one source")

@@ -45,15 +45,14 @@ function roundLength(x) {
 }
 
 class BodyView {
-  constructor(canvas) {
-    this.canvas = canvas;
-    this.turn = 0;  // rad, about the vertical
-    this.tilt = 0;  // rad, from above
+  // seen: {turn, tilt, zoom}: degrees about the vertical and from above, and how many times as large as the whole path needs
+  constructor(canvas, seen) {
+    Object.assign(this, {canvas, seen});
   }
 
   // Right, up and away from the viewer.
   axes() {
-    const [a, b] = [this.turn, this.tilt], [ca, sa, cb, sb] = [Math.cos(a), Math.sin(a), Math.cos(b), Math.sin(b)];
+    const [a, b] = [this.seen.turn, this.seen.tilt].map((v) => v * Math.PI / 180), [ca, sa, cb, sb] = [Math.cos(a), Math.sin(a), Math.cos(b), Math.sin(b)];
     return [[ca, sa, 0], [-sa * sb, ca * sb, cb], [-sa * cb, ca * cb, -sb]];
   }
 
@@ -77,9 +76,14 @@ class BodyView {
     if (!(right >= left)) return 1;
     const known = mesh !== null, size = known ? sizeOf(mesh) : 0.1 * Math.max(right - left, top - bottom, 1e-9);
     const shape = mesh || plainPlate(size);
-    const scale = Math.min(0.8 * width / (right - left + size), 0.8 * height / (top - bottom + size));
+    const scale = this.seen.zoom * Math.min(0.8 * width / (right - left + size), 0.8 * height / (top - bottom + size));
     const larger = Math.max(1, 0.11 * Math.min(width, height) / (scale * size));
-    const [middleX, middleY] = [(left + right) / 2, (bottom + top) / 2];
+    // What is larger than the picture follows the body in front.
+    const near = (middle, extent, axis) => {
+      const at = dot(sets[0].pose.p, axis), room = Math.max(0, 0.4 * extent / scale - size / 2);
+      return Number.isFinite(at) ? Math.min(at + room, Math.max(at - room, middle)) : middle;
+    };
+    const middleX = near((left + right) / 2, width, axes[0]), middleY = near((bottom + top) / 2, height, axes[1]);
     const place = (v) => [width / 2 + scale * (dot(v, axes[0]) - middleX), height / 2 - scale * (dot(v, axes[1]) - middleY)];
     for (const set of [...sets].reverse()) {
       g.strokeStyle = set.colour;

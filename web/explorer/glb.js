@@ -78,7 +78,7 @@ function glbOf({name, mesh, times, poses, extras}) {
   const accessor = (bufferView, componentType, count, type, more = {}) => ({bufferView, componentType, count, type, ...more});
   const json = {
     asset: {version: "2.0", generator: "samara explore"}, scene: 0, scenes: [{nodes: [0], name, extras}],
-    nodes: [{name: "body", mesh: 0}],
+    nodes: [{name: "body", mesh: 0, extras: {start}}],
     meshes: [{primitives: [{attributes: {POSITION: 0}, indices: 1, material: 0}]}],
     materials: [{pbrMetallicRoughness: {baseColorFactor: [0.55, 0.33, 0.16, 1], metallicFactor: 0, roughnessFactor: 0.8}}],
     accessors: [accessor(0, 5126, corners.length / 3, "VEC3", {min: ends(0, Math.min), max: ends(0, Math.max)}),

@@ -3,7 +3,7 @@ const explorer = (() => {
   const $ = (id) => document.getElementById(id);
   const data = readExplored(), state = new State(data), curves = new Curves($("curves"), state);
   state.fromHash(location.hash);
-  const view = new BodyView($("body"));
+  const view = new BodyView($("body"), state.seen), viewing = new Viewing($("view"), $("body"), state, () => touch("mark"));
   const controls = new Controls($("controls"), state, (what) => what === "all" ? buildAll() : touch());
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   let wants = null;     // what the next frame has to do: "mark" (the place on the curves moved) or "point"
@@ -68,9 +68,10 @@ const explorer = (() => {
     const now = here(), then = state.other && curves.codebook.at(withPlace(state.other));
     $("values-heading").textContent = `Values at ${coordinate().name} = ${inUnit(state.point[state.along], coordinate().unit, 4)}`;
     cells.forEach((line, o) => {
-      const numbers = [[now[o], 6], [curves.band(o) || NaN, 2], ...(then ? [[then[o], 6], [now[o] - then[o], 4]] : [])];
-      numbers.forEach(([value, digits], k) => {
-        line[k].textContent = kit.shown(Number.isNaN(value) ? null : value, digits);
+      const digits = then ? 4 : 6;  // all that fit beside each other
+      const numbers = [[now[o], digits], [curves.band(o) || NaN, 2], ...(then ? [[then[o], digits], [now[o] - then[o], 3]] : [])];
+      numbers.forEach(([value, shown], k) => {
+        line[k].textContent = kit.shown(Number.isNaN(value) ? null : value, shown);
         if (Number.isNaN(value)) delete line[k].dataset.value; else line[k].dataset.value = String(value);
       });
     });
@@ -99,8 +100,9 @@ const explorer = (() => {
     const changes = state.book.body ? state.book.body.changes : [];
     $("view-note").textContent = (Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like. "
         : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size. ` : "") +
-        (changes.length ? `It is that of the middle of the box, whatever ${changes.join(", ")} may be.` : "");
-    $("body").setAttribute("aria-label", sentence());
+        (changes.length ? `It is that of the middle of the box, whatever ${changes.join(", ")} may be. ` : "") + viewing.words();
+    $("body").setAttribute("aria-label", `${sentence()}. ${viewing.words()}`.trim());
+    viewing.show();
   }
   function sentence() {
     const now = here();
@@ -112,6 +114,7 @@ const explorer = (() => {
   function buildAll() {
     const focused = document.activeElement && document.activeElement.id;
     document.querySelector(".panes").classList.toggle("without-body", !hasBody());
+    document.querySelector(".panes").classList.toggle("compared", state.other !== null);
     $("glb").hidden = !hasMotion();
     const c = coordinate(), place = {min: c.list ? 0 : c.lower, max: c.list ? c.list.length - 1 : c.upper, step: c.list ? 1 : "any"};
     Object.assign($("clock"), place);
@@ -203,24 +206,6 @@ const explorer = (() => {
     touch("mark");
   });
 
-  // View --------------------------------------------------------------------------------------------------
-  for (const id of ["turn", "tilt"]) {
-    $(id).addEventListener("input", () => { view[id] = Number($(id).value) * Math.PI / 180; body(); });
-  }
-  let held = null;
-  $("body").addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; $("body").setPointerCapture(event.pointerId); });
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) $("body").addEventListener(end, () => { held = null; });
-  $("body").addEventListener("pointermove", (event) => {
-    if (!held) return;
-    view.turn -= (event.clientX - held[0]) * 0.01;
-    view.turn -= 2 * Math.PI * Math.round(view.turn / (2 * Math.PI));
-    view.tilt = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, view.tilt + (event.clientY - held[1]) * 0.01));
-    held = [event.clientX, event.clientY];
-    $("turn").value = view.turn * 180 / Math.PI;
-    $("tilt").value = view.tilt * 180 / Math.PI;
-    body();
-  });
-
   // Saving ------------------------------------------------------------------------------------------------
   const parameters = () => state.book.coordinates.map((c, k) => [c.name, state.point[k]]).filter((entry, k) => k !== state.along);
   const lineOf = (text) => text.replace(/\s+/g, " ");
@@ -243,7 +228,7 @@ const explorer = (() => {
       return high - low;
     })));
     const {times, poses} = denseKeys(posesAt, c.lower, c.upper, sizeOf(shape));
-    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: {...book.fixed, ...Object.fromEntries(parameters())}, start: c.lower}});
+    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: {...book.fixed, ...Object.fromEntries(parameters())}}});
   }
   // All that is drawn, one below the other.
   function picture() {

@@ -31,12 +31,17 @@ function readExplored() {
   return data;
 }
 
+// Of the picture of the body: beyond, nothing more is to be seen.
+const LEAST_ZOOM = 0.25, MOST_ZOOM = 256;
+
 class State {
   constructor(data) {
     this.data = data;
     this.number = 0;       // of the codebook
     this.capture = -1;     // number of the capture shown
     this.slopes = false;   // whether sensitivities are shown
+    this.seen = {};        // how the body is looked at: degrees, and times as large
+    this.look();
     this.choose(0);
     if (data.fit) this.takeFit();
     if (data.captures.length) this.takeCapture(0);
@@ -114,6 +119,12 @@ class State {
             period: period / Math.abs(gain)};
   }
 
+  // The view from the front, of all.
+  look({turn = 0, tilt = 0, zoom = 1} = {}) {
+    const inside = (value, least, most) => Math.min(most, Math.max(least, value));
+    Object.assign(this.seen, {turn: turn - 360 * Math.round(turn / 360), tilt: inside(tilt, -90, 90), zoom: inside(zoom, LEAST_ZOOM, MOST_ZOOM)});
+  }
+
   toHash() {
     const words = new URLSearchParams(), {coordinates} = this.book;
     if (this.data.books.length > 1) words.set("book", this.number);
@@ -122,6 +133,8 @@ class State {
     if (this.other) coordinates.forEach((c, k) => words.set("b." + c.name, this.other[k]));
     if (this.data.captures.length) words.set("capture", this.capture);
     if (this.slopes) words.set("slopes", "1");
+    const {turn, tilt, zoom} = this.seen;
+    if (turn !== 0 || tilt !== 0 || zoom !== 1) words.set("view", [turn, tilt, zoom].map((v) => Number(v.toPrecision(6))).join(","));
     return words.toString();
   }
 
@@ -141,6 +154,9 @@ class State {
     const capture = Number(words.get("capture"));
     if (words.has("capture") && (capture === -1 || this.data.captures[capture])) this.capture = capture;
     this.slopes = words.get("slopes") === "1";
+    const [turn, tilt, zoom, ...more] = (words.get("view") || "").split(",").map((word) => word.trim() === "" ? NaN : Number(word));
+    const isView = [turn, tilt, zoom].every(Number.isFinite) && more.length === 0;
+    this.look(isView ? {turn, tilt, zoom} : {});
   }
 
   // The line of the command that gives the values shown.

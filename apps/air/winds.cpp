@@ -1,0 +1,49 @@
+#include "air/winds.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/model/wind_file.h"
+#include "samara/models/laws/ambient_flow.h"
+#include "samara/models/wind/body_outline.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+std::shared_ptr<const models::Model> model_in_wind(const std::string& file, std::uint64_t seed,
+                                                   const std::shared_ptr<const models::Model>& model,
+                                                   const std::map<std::string, double>& values) {
+  const std::string& name = model->info().name;
+  if (name != "immersed_body") {
+    throw ArgumentError(fmt::format(
+        "--wind is for the model \"immersed_body\", or with --realisations for those in gusts; not "
+        "for \"{}\"",
+        name));
+  }
+  const models::wind::BodyOutline body =
+      models::wind::outline_of(models::ParametricModel(model, values, {}), {});
+  const codebooks::WindFile wind = codebooks::read_wind(file);
+  if (wind.seen)
+    throw InputError(
+        file, "has turbulence of the kind \"seen\", which is along paths: --realisations was expected");
+  return models::immersed_body_in(models::wind::wind_flow(wind.wind, body.length, seed, 0));
+}
+
+double shortest_gust(const std::string& file) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const models::wind::Gust& gust : codebooks::read_wind(file).wind.gusts)
+    least = std::min(least, gust.duration());
+  return least;
+}
+
+void warn_of_gusts(const std::string& file, double step) {
+  const double shortest = shortest_gust(file);
+  if (10.0 * step > shortest)
+    warn(fmt::format("a gust lasts {:.3g} s and steps are of {:.3g} s; --step {:.2g} would follow it",
+                     shortest, step, 0.1 * shortest));
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,120 @@
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "books/planned_build.h"
+#include "options/commands.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/io/atomic_file.h"
+#include "samara/io/file_lock.h"
+#include "terminal/interrupts.h"
+#include "terminal/output.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+/// A build may take long: that its result cannot be written should be known before. No stream takes a
+/// codebook, and no other file is lost to one.
+void check_target(const BuildArguments& arguments) {
+  check_output(arguments.output, {arguments.plan});
+  std::error_code ignored;
+  const bool is_file = std::filesystem::is_regular_file(arguments.output, ignored);
+  if (is_file && !arguments.force && !codebooks::is_codebook(arguments.output))
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is a file, and no codebook: --force replaces it", arguments.output));
+  const io::PendingFile probe(arguments.output);
+}
+
+/// What an earlier build has left is taken up, unless the user wants to begin anew.
+codebooks::BuildOptions build_options(const BuildArguments& arguments) {
+  codebooks::BuildOptions options;
+  options.checkpoint = arguments.output + ".checkpoint";
+  options.keep_checkpoint = true;
+  options.resume = !arguments.fresh;
+  std::error_code ignored;
+  const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
+  if (arguments.resume && !is_there)
+    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
+  if (arguments.fresh) std::filesystem::remove(options.checkpoint, ignored);
+  options.progress = [report = progress_line(), path = options.checkpoint,
+                      goes_on = is_there && !arguments.fresh](const Progress& progress) mutable {
+    if (goes_on)
+      narrate(fmt::format("going on from {}", path.string()));  // now it is known to be of this plan
+    goes_on = false;
+    return report(progress);
+  };
+  options.warning = [](const std::string& sentence) { warn(sentence); };
+  return options;
+}
+
+Json build_json(const codebooks::BuildResult& result, const std::string& path) {
+  const codebooks::BuildRecord& record = result.book.build();
+  return {{"schema", "samara-build/1"},
+          {"output", path},
+          {"met", result.met},
+          {"message", result.message},
+          {"builder", record.builder},
+          {"strategy", record.strategy},
+          {"status", to_string(record.status)},
+          {"seconds", result.book.provenance().build_seconds},
+          {"effort", effort(result.book)},
+          {"certificate", to_json(*result.book.certificate(), result.book)}};
+}
+
+int end_interrupted(const std::filesystem::path& checkpoint) {
+  std::error_code ignored;
+  warn(std::filesystem::exists(checkpoint, ignored)
+           ? fmt::format("interrupted; {} is kept: the same line goes on from there", checkpoint.string())
+           : std::string("interrupted, before there was anything to keep"));
+  return kInterrupted;
+}
+
+}  // namespace
+
+int run(const BuildArguments& arguments) {
+  if (arguments.dry_run) {
+    const codebooks::Plan plan = plan_of(arguments);
+    if (!arguments.output.empty()) check_target(arguments);
+    print(arguments.json ? planned_json(plan).dump() + "\n" : planned_text(plan));
+    return kDone;
+  }
+  if (arguments.output.empty())
+    throw ArgumentError("--output is required: -o and the codebook file to write");
+  catch_interrupts();
+  check_target(arguments);
+  const codebooks::Plan plan = plan_of(arguments);
+  check_output(arguments.output, {plan.model_file});
+  const io::FileLock lock(arguments.output + ".lock", fmt::format("builds {}", arguments.output));
+  const codebooks::BuildOptions options = build_options(arguments);
+  try {
+    const codebooks::BuildResult result = codebooks::build(plan, options);
+    if (is_interrupted()) return end_interrupted(options.checkpoint);
+    codebooks::save(result.book, arguments.output);
+    if (!result.resumable) {
+      std::error_code ignored;
+      std::filesystem::remove(options.checkpoint, ignored);
+    }
+    narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
+                        result.book.provenance().build_seconds, effort(result.book)));
+    print(arguments.json ? build_json(result, arguments.output).dump() + "\n"
+                         : to_table(*result.book.certificate(), result.book));
+    if (result.met) return kDone;
+    warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+    if (result.resumable)
+      warn(fmt::format("the calls that were answered are kept in {}: the same line goes on from there",
+                       options.checkpoint.string()));
+    return kToleranceMissed;
+  } catch (const NoResultError&) {
+    // A program that is asked for answers gets Ctrl-C too, and ends.
+    if (is_interrupted()) return end_interrupted(options.checkpoint);
+    throw;
+  }
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "inputs/assignments.h"
+#include "inputs/query_points.h"
+#include "options/commands.h"
+#include "pictures/animation.h"
+#include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
+#include "samara/codebooks/book/book_model.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/query/derived_query.h"
+#include "samara/codebooks/query/place_query.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/io/csv.h"
+#include "terminal/output.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+using codebooks::Codebook;
+using Labels = std::vector<pgd::OutputLabel>;
+
+using Coordinates = std::vector<codebooks::Coordinate>;
+
+/// Whether a point of a mesh is asked for, instead of one of its nodes.
+bool asks_for_place(const Codebook& book, const QueryArguments& arguments) {
+  if (book.mesh() == nullptr) return false;
+  return std::ranges::any_of(arguments.set, [&](const std::string& text) {
+    return std::ranges::count(book.mesh()->directions(), text.substr(0, text.find('='))) > 0;
+  });
+}
+
+/// Values, then gradients (output by output, coordinate by coordinate).
+template <class AnyQuery>
+Eigen::MatrixXd answer(AnyQuery query, Eigen::Index outputs, const QueryPoints& points, bool gradient) {
+  const auto coordinates = points.x.cols();
+  Eigen::MatrixXd table(points.x.rows(), outputs + (gradient ? outputs * coordinates : 0));
+  Eigen::VectorXd values(outputs);
+  Eigen::MatrixXd slopes(outputs, coordinates);
+  std::vector<double> x(static_cast<std::size_t>(coordinates));
+  for (Eigen::Index i = 0; i < points.x.rows(); ++i) {
+    for (Eigen::Index k = 0; k < coordinates; ++k) x[static_cast<std::size_t>(k)] = points.x(i, k);
+    if (gradient) {
+      query.values(x, values, slopes);
+      table.row(i).tail(outputs * coordinates) = slopes.reshaped<Eigen::RowMajor>().transpose();
+    } else {
+      query.values(x, values);
+    }
+    table.row(i).head(outputs) = values.transpose();
+  }
+  return table;
+}
+
+/// The same of many points at once.
+Eigen::MatrixXd batch_answer(codebooks::Query query, const QueryPoints& points, bool gradient) {
+  const Eigen::Index outputs = query.output_count(), coordinates = points.x.cols(), count = points.x.rows();
+  const Eigen::MatrixXd columns = points.x.transpose();
+  Eigen::MatrixXd values(outputs, count);
+  if (!gradient) {
+    query.batch(columns, values, 0);
+    return values.transpose();
+  }
+  Eigen::MatrixXd slopes(outputs * coordinates, count);
+  query.batch(columns, values, slopes, 0);
+  Eigen::MatrixXd table(count, outputs * (1 + coordinates));
+  table.leftCols(outputs) = values.transpose();
+  for (Eigen::Index o = 0; o < outputs; ++o) {
+    for (Eigen::Index k = 0; k < coordinates; ++k)
+      table.col(outputs + o * coordinates + k) = slopes.row(o + outputs * k).transpose();
+  }
+  return table;
+}
+
+std::string to_csv(const Coordinates& coordinates, const Labels& outputs, const QueryPoints& points,
+                   const Eigen::MatrixXd& table, bool gradient) {
+  Eigen::MatrixXd all(points.x.rows(), points.x.cols() + table.cols());
+  all << points.x, table;
+  std::vector<std::string> header;
+  for (const codebooks::Coordinate& c : coordinates) header.push_back(fmt::format("{}[{}]", c.name, c.unit));
+  for (const pgd::OutputLabel& o : outputs) header.push_back(fmt::format("{}[{}]", o.name, o.unit));
+  for (const pgd::OutputLabel& o : outputs) {
+    for (const codebooks::Coordinate& c : coordinates) {
+      if (gradient)
+        header.push_back(fmt::format("d{}/d{}[{}]", o.name, c.name, unit_quotient(o.unit, c.unit)));
+    }
+  }
+  return io::format_csv(header, all);
+}
+
+Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels& outputs,
+             const QueryPoints& points, const Eigen::MatrixXd& table, bool gradient, bool composed) {
+  const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
+  Json object = {{"schema", "samara-query/1"},
+                 {"coordinates", Json::object()},
+                 {"outputs", Json::array()},
+                 {"clamped", points.clamped}};
+  if (book.has_time()) object["coordinates"][coordinates[0].name] = list(points.x.col(0));
+  for (auto k = book.has_time() ? 1 : 0; k < std::ssize(coordinates); ++k) {
+    Json& of_coordinate = object["coordinates"][coordinates[static_cast<std::size_t>(k)].name];
+    of_coordinate = points.from_table ? Json(list(points.x.col(k))) : Json(points.x(0, k));
+  }
+  Eigen::Index column = std::ssize(outputs);
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    const auto values = list(table.col(static_cast<Eigen::Index>(o)));
+    Json output = {{"name", outputs[o].name}, {"unit", outputs[o].unit}, {"values", values}};
+    if (gradient) {
+      for (const codebooks::Coordinate& c : coordinates)
+        output["gradient"][c.name] = list(table.col(column++));
+    }
+    object["outputs"].push_back(output);
+  }
+  // The certificate is of one window, not of what windows are composed to.
+  if (!composed) object["certificate_met"] = book.certificate() && book.certificate()->met;
+  return object;
+}
+
+void write(const QueryArguments& arguments, const Codebook& book, const Coordinates& coordinates,
+           const Labels& outputs, const QueryPoints& points, const Eigen::MatrixXd& table) {
+  if (arguments.json) {
+    const bool composed = !arguments.until.empty();
+    write_answer(
+        arguments.output,
+        to_json(book, coordinates, outputs, points, table, arguments.gradient, composed).dump() + "\n");
+  } else {
+    write_answer(arguments.output, to_csv(coordinates, outputs, points, table, arguments.gradient));
+  }
+}
+
+/// The states at times of any length, by the flow map of the codebook.
+int run_composed(const QueryArguments& arguments, const Codebook& book) {
+  const QueryPoints points = points_of(book, book.coordinates(), arguments);
+  const auto family = codebooks::flow_map_trajectories(book);
+  const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
+  const Eigen::VectorXd times = points.x.col(0);
+  const models::FamilyTrajectory result =
+      models::trajectory(*family, {q.data(), static_cast<std::size_t>(q.size())},
+                         {times.begin(), times.end()}, models::output_names(family->info()));
+  if (!result.outcome && result.outcome.reached < 0.0) throw OutsideBoxError(result.outcome.message);
+  Labels outputs;
+  for (const models::FamilyOutput& output : family->info().outputs)
+    outputs.push_back({output.name, output.unit});
+  write(arguments, book, book.coordinates(), outputs, points, result.values);
+  if (result.outcome) return kDone;
+  warn(fmt::format("{}; values after t = {:.6g} are empty", result.outcome.message, result.outcome.reached));
+  return kOutsideBox;
+}
+
+/// The motion of the body, to a .glb or .usda: over the times that were asked for, or all of them.
+int run_animated(const QueryArguments& arguments, const Codebook& book) {
+  if (arguments.json || arguments.gradient)
+    throw ArgumentError("a .glb or .usda holds a motion: neither --json nor --gradient was expected");
+  if (!arguments.points.empty())
+    throw ArgumentError("a .glb or .usda holds one motion: no --points was expected");
+  const auto model = codebooks::known_model(book.model());
+  if (!model) throw ArgumentError(fmt::format("{} is of a program, which moves no body", arguments.book));
+  const QueryPoints points = points_of(book, book.coordinates(), arguments);
+  Animation animation{.states = animated_states(model->info()),
+                      .body = {},
+                      .model = book.model().name,
+                      .parameters = book.model().fixed};
+  const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
+  animation.q.assign(q.begin(), q.end());
+  animation.body = animated_body(arguments.body, codebooks::model_of(book), animation.q);
+  for (std::size_t k = 0; k < animation.q.size(); ++k)
+    animation.parameters[book.parameters()[k].name] = animation.q[k];
+  animation.notes = {{"codebook", arguments.book}};
+  animation.from = points.x.col(0).minCoeff();
+  animation.to = points.x.col(0).maxCoeff();
+  if (!(animation.from < animation.to))
+    throw ArgumentError(
+        "--at has one time, but a motion has a begin and an end: two times, or none, were expected");
+  const auto family = arguments.until.empty() ? codebooks::codebook_trajectories(book)
+                                              : codebooks::flow_map_trajectories(book);
+  animation.family = family.get();
+  return write_animation(arguments.output, animation);
+}
+
+}  // namespace
+
+int run(const QueryArguments& arguments) {
+  if (!arguments.until.empty() &&
+      (!arguments.at.empty() || arguments.gradient || arguments.clamp || !arguments.points.empty())) {
+    throw ArgumentError(
+        "--until composes windows of the codebook: none of --at, --gradient and --clamp was expected, nor "
+        "--points");
+  }
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.points});
+  const Codebook book = codebooks::load(arguments.book);
+  warn_of_missed_tolerance(book, arguments.book);
+  if (names_animation(arguments.output)) return run_animated(arguments, book);
+  for (const std::string& text : arguments.body.sizes) number_or_quantity("--size", text, "m");
+  if (!arguments.body.body.empty() || !arguments.body.sizes.empty() || !arguments.body.unit.empty())
+    throw ArgumentError(
+        "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
+  if (!arguments.until.empty()) return run_composed(arguments, book);
+  const bool in_mesh = asks_for_place(book, arguments);
+  const Coordinates coordinates = in_mesh ? codebooks::PlaceQuery(book).coordinates() : book.coordinates();
+  const QueryPoints points = points_of(book, coordinates, arguments);
+  for (const std::string& name : points.clamped)
+    warn(fmt::format("{} was moved to the border of the box", name));
+  codebooks::DerivedQuery query(book);
+  const Labels outputs = query.outputs();
+  const Eigen::Index count = std::ssize(outputs);
+  const bool at_once = points.from_table && !in_mesh && count == book.output_count();  // none is derived
+  const Eigen::MatrixXd table = at_once ? batch_answer(codebooks::Query(book), points, arguments.gradient)
+                                : in_mesh
+                                    ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
+                                    : answer(std::move(query), count, points, arguments.gradient);
+  write(arguments, book, coordinates, outputs, points, table);
+  return kDone;
+}
+
+}  // namespace samara::apps

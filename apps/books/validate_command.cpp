@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include "inputs/bodies.h"
+#include "options/commands.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/certify/certify_plan.h"
+#include "samara/codebooks/fields/ready_field.h"
+#include "samara/codebooks/file/load.h"
+#include "terminal/output.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+/// Errors of arguments are those of the file.
+template <class Make>
+auto blaming(const std::string& file, const Make& make) {
+  try {
+    return make();
+  } catch (const ArgumentError& error) {
+    throw InputError(file, error.what());
+  }
+}
+
+/// The program of a codebook of a command comes from the user's plan, never from the codebook.
+codebooks::Certificate certify_by_plan(const codebooks::Codebook& book, const ValidateArguments& arguments,
+                                       codebooks::CertifyOptions options) {
+  const codebooks::Plan plan = codebooks::read_plan(arguments.plan, parameters_of);
+  if (plan.command && !arguments.points) options.points = plan.certificate_points();
+  return blaming(arguments.plan, [&] { return codebooks::certify(book, plan, options); });
+}
+
+codebooks::Certificate certify_by_model(const codebooks::Codebook& book, const ValidateArguments& arguments,
+                                        const codebooks::CertifyOptions& options) {
+  if (book.space()) {
+    const auto reference = blaming(arguments.book, [&] { return codebooks::exact_reference(book); });
+    return codebooks::certify(book, reference, options);
+  }
+  const models::ParametricModel model = blaming(arguments.book, [&] { return codebooks::model_of(book); });
+  return codebooks::certify(book, model, options);
+}
+
+void check_plan(const codebooks::Codebook& book, const ValidateArguments& arguments) {
+  if (book.is_of_command() && arguments.plan.empty()) {
+    throw ArgumentError(fmt::format(
+        "{} was sampled from a command, and no program that stands in a codebook is executed: name "
+        "the plan whose command is to be called, --plan PLAN.toml",
+        arguments.book));
+  }
+  if (!book.is_of_command() && !arguments.plan.empty()) {
+    throw ArgumentError(fmt::format("{} is a solution of the model {}, which needs no --plan", arguments.book,
+                                    book.model().name));
+  }
+}
+
+}  // namespace
+
+int run(const ValidateArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.plan});
+  const codebooks::Codebook book = codebooks::load(arguments.book);
+  check_plan(book, arguments);
+  codebooks::CertifyOptions options;
+  options.points = arguments.points.value_or(options.points);
+  options.seed = arguments.seed;
+  options.progress = progress_line();
+  if (book.certificate()) {
+    options.tolerance = book.certificate()->tolerance;
+    // The range of an output counts at least as much as it did at the build: there the absolute tolerances
+    // entered.
+    for (const codebooks::OutputError& o : book.certificate()->outputs) options.absolute[o.name] = o.range;
+  } else {
+    warn(fmt::format("{} has no certificate: errors are compared with zero", arguments.book));
+  }
+  codebooks::Certificate certificate = book.is_of_command() ? certify_by_plan(book, arguments, options)
+                                                            : certify_by_model(book, arguments, options);
+  if (book.certificate()) {
+    certificate.residual = book.certificate()->residual;
+    certificate.spent = book.certificate()->spent;
+  }
+  clear_progress();
+  if (certificate.norm_defect && certificate.norm_defect->max > options.tolerance && book.certificate()) {
+    warn(fmt::format("{} stores quaternions whose norm is off by {:.3g}, more than its tolerance {:.3g}",
+                     arguments.book, certificate.norm_defect->max, options.tolerance));
+  }
+  Json object = {{"schema", "samara-validate/1"}};
+  object["certificate"] = to_json(certificate, book);
+  write_answer(arguments.output, arguments.json ? object.dump() + "\n" : to_table(certificate, book));
+  return certificate.met ? kDone : kToleranceMissed;
+}
+
+}  // namespace samara::apps

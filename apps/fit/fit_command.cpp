@@ -1,0 +1,141 @@
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glog/logging.h>
+
+#include "inputs/assignments.h"
+#include "options/commands.h"
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/identification/files/fit_files.h"
+#include "samara/identification/report/fit_page.h"
+#include "samara/identification/report/fit_report.h"
+#include "samara/identification/series/series_codebook.h"
+#include "samara/identification/series/series_report.h"
+#include "samara/io/atomic_file.h"
+#include "terminal/output.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+namespace id = samara::identification;
+
+/// s; empty where the command does not say.
+std::optional<double> time_of(const std::string& option, const std::string& text) {
+  if (text.empty()) return {};
+  const double time = number_or_quantity(option, text, "s");
+  if (time > 0.0) return time;
+  throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", option, time));
+}
+
+id::FitRequest request_of(const FitArguments& arguments) {
+  id::FitRequest request{.source = arguments.source,
+                         .sidecar = arguments.sidecar,
+                         .config = arguments.config,
+                         .coefficients = arguments.coefficients,
+                         .span = time_of("--span", arguments.span),
+                         .left_out_span = time_of("--left-out-span", arguments.left_out_span),
+                         .ahead = time_of("--ahead", arguments.ahead),
+                         .reference = arguments.reference,
+                         .profiles = arguments.profiles,
+                         .needs_series = !arguments.series.empty(),
+                         .progress = progress_line()};
+  request.captures.assign(arguments.captures.begin(), arguments.captures.end());
+  request.left_out.assign(arguments.left_out.begin(), arguments.left_out.end());
+  request.warning = [](const std::string& sentence) {
+    clear_progress();
+    warn(sentence);
+  };
+  return request;
+}
+
+/// Parameters, then simulations.
+std::vector<std::string> petab_files(const FitArguments& arguments) {
+  const std::filesystem::path folder = arguments.petab;
+  return {(folder / "parameters.tsv").string(), (folder / "simulations.tsv").string()};
+}
+
+/// Before any work: what would be overwritten, or cannot be written.
+void check_outputs(const FitArguments& arguments, const id::FitRequest& request) {
+  std::vector<std::string> inputs;
+  for (const std::filesystem::path& file : id::files_read(request)) inputs.push_back(file.string());
+  if (!arguments.output.empty()) check_output(arguments.output, inputs);
+  if (!arguments.report.empty()) check_output(arguments.report, inputs);
+  if (!arguments.series.empty()) check_output(arguments.series, inputs);
+  const auto is_problem = [](const std::string& file) {
+    return file.ends_with(".yaml") || file.ends_with(".yml");
+  };
+  if (!arguments.petab.empty() && std::ranges::none_of(arguments.captures, is_problem))
+    throw ArgumentError("--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
+  const std::vector<std::pair<std::string, std::string>> written = {
+      {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
+  for (std::size_t a = 0; a < written.size(); ++a) {
+    for (std::size_t b = a + 1; b < written.size(); ++b) {
+      if (written[a].second.empty() || written[b].second.empty()) continue;
+      if (std::filesystem::absolute(written[a].second).lexically_normal() !=
+          std::filesystem::absolute(written[b].second).lexically_normal()) {
+        continue;
+      }
+      throw ArgumentError(fmt::format("{} and {} both name \"{}\"; two files were expected", written[a].first,
+                                      written[b].first, written[a].second));
+    }
+  }
+  if (arguments.petab.empty()) return;
+  // Last: a call that is refused leaves no folder behind.
+  std::error_code reason;
+  std::filesystem::create_directory(arguments.petab, reason);
+  if (!std::filesystem::is_directory(arguments.petab))
+    throw ArgumentError(
+        fmt::format("--petab names \"{}\", which is no folder and cannot become one", arguments.petab));
+  for (const std::string& file : petab_files(arguments)) check_output(file, inputs);
+}
+
+/// Files before the screen: an answer that cannot be printed is not lost.
+void write(const FitArguments& arguments, const id::FitReport& report) {
+  const auto json = [&] {
+    return report.series ? id::series_json(*report.series) : id::fit_json(report.fit);
+  };
+  if (!arguments.output.empty()) io::write_text_atomically(arguments.output, json());
+  if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(report.fit));
+  if (!arguments.petab.empty() && report.fit.status != id::FitStatus::failed) {
+    io::write_text_atomically(petab_files(arguments)[0], report.petab_parameters);
+    io::write_text_atomically(petab_files(arguments)[1], report.petab_simulations);
+  }
+  if (!arguments.series.empty() && report.series->status != id::FitStatus::failed)
+    codebooks::save(id::series_codebook(*report.series), arguments.series);
+  const auto text = [&] {
+    return report.series ? id::series_text(*report.series) : id::fit_text(report.fit);
+  };
+  print(arguments.json ? json() : printable(text(), "\n"));
+}
+
+}  // namespace
+
+int run(const FitArguments& arguments) {
+  // Ceres reports through glog, which would print its own lines; the result carries the same in a sentence.
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  const id::FitRequest request = request_of(arguments);
+  check_outputs(arguments, request);
+  const id::FitReport report = id::fit_files(request);
+  clear_progress();
+  if (is_verbose()) {
+    for (const id::CaptureFit& capture : report.fit.captures) {
+      for (const std::string& note : capture.notes)
+        narrate(fmt::format("capture \"{}\": {}", capture.id, note));
+    }
+  }
+  write(arguments, report);
+  if (report.is_usable) return kDone;
+  complain(report.message);
+  return kToleranceMissed;
+}
+
+}  // namespace samara::apps

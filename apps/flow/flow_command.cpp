@@ -1,0 +1,144 @@
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "flow/flow_output.h"
+#include "options/commands.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/flow/books/energy_book.h"
+#include "samara/flow/files/flow_file.h"
+#include "samara/flow/files/flow_plan.h"
+#include "samara/io/file_lock.h"
+#include "samara/models/bodies/mesh_file.h"
+#include "terminal/interrupts.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A run may take hours: that its result cannot be written should be known before, and no other file is lost to it.
+void check_flow_target(const FlowArguments& arguments) {
+  check_output(arguments.output, {arguments.plan});
+  std::error_code ignored;
+  if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output) &&
+      !codebooks::is_codebook(arguments.output))
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is a file, and neither a flow nor a codebook: it would be lost",
+                    arguments.output));
+}
+
+/// What an earlier run has left is taken up, unless the user wants to begin anew.
+flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowPlan& plan) {
+  flow::FlowOptions options;
+  options.end = plan.end;
+  options.max_time = plan.max_time;
+  options.max_memory = plan.max_memory;
+  options.seed = plan.seed;
+  options.threads = plan.threads;
+  options.checkpoint = arguments.output + ".checkpoint";
+  options.resume = !arguments.fresh;
+  std::error_code ignored;
+  if (arguments.resume && !fs::exists(options.checkpoint, ignored))
+    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
+  if (arguments.fresh) {
+    flow::check_case(plan.flow, plan.max_memory);  // no plan that is refused takes hours of another with it
+    fs::remove(options.checkpoint, ignored);
+  }
+  options.progress = progress_line();
+  return options;
+}
+
+int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
+  codebooks::BuildOptions options;
+  options.checkpoint = arguments.output + ".checkpoint";
+  options.keep_checkpoint = true;
+  options.resume = !arguments.fresh;
+  options.progress = progress_line();
+  options.warning = [](const std::string& sentence) { warn(sentence); };
+  std::error_code ignored;
+  if (arguments.fresh) fs::remove(options.checkpoint, ignored);
+  const auto interrupted = [&] {
+    warn(fmt::format("interrupted; {} keeps the flows that were found: the same line goes on from there",
+                     options.checkpoint.string()));
+    return kInterrupted;
+  };
+  try {
+    const codebooks::BuildResult result = flow::build_energy_book(plan, options);
+    if (is_interrupted()) return interrupted();
+    codebooks::save(result.book, arguments.output);
+    if (!arguments.json) print(to_table(*result.book.certificate(), result.book));
+    const Eigen::VectorXd change = flow::discretisation(plan, result.book, options.progress);
+    clear_progress();
+    std::string text =
+        "twice the cells, at both ends of the box, change by these shares of the same ranges:\n";
+    for (Eigen::Index o = 0; o < change.size(); ++o)
+      text += fmt::format("  {:<14} {:.3g}\n", result.book.outputs()[static_cast<std::size_t>(o)].name,
+                          change(o));
+    if (arguments.json) {
+      Json object = {{"schema", "samara-flow-book/1"},
+                     {"output", arguments.output},
+                     {"met", result.met},
+                     {"discretisation", Json::object()}};
+      for (Eigen::Index o = 0; o < change.size(); ++o)
+        object["discretisation"][result.book.outputs()[static_cast<std::size_t>(o)].name] = change(o);
+      object["certificate"] = to_json(*result.book.certificate(), result.book);
+      print(object);
+    } else {
+      print(text);
+    }
+    if (!result.resumable) fs::remove(options.checkpoint, ignored);
+    if (result.met) return kDone;
+    warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+    return kToleranceMissed;
+  } catch (const NoResultError&) {
+    if (is_interrupted()) return interrupted();
+    throw;
+  }
+}
+
+}  // namespace
+
+int run(const FlowArguments& arguments) {
+  catch_interrupts();
+  check_flow_target(arguments);
+  const flow::FlowPlan plan = flow::read_flow_plan(
+      arguments.plan, [](const std::string& path) { return models::read_mesh(path, 1.0); });
+  const io::FileLock lock(arguments.output + ".lock", fmt::format("computes {}", arguments.output));
+  if (!plan.box.empty()) return build_book(arguments, plan);
+  const flow::FlowOptions options = flow_options(arguments, plan);
+  const flow::FlowResult result = flow::solve_flow(plan.flow, options);
+  clear_progress();
+  for (const std::string& warning : result.warnings) warn(warning);
+  if (result.status == flow::FlowStatus::cancelled) {
+    warn(fmt::format("interrupted; {} is kept: the same line goes on from there",
+                     options.checkpoint.string()));
+    return kInterrupted;
+  }
+  std::error_code ignored;
+  if (result.status == flow::FlowStatus::diverged) {
+    const bool kept = fs::exists(options.checkpoint, ignored);
+    throw NoResultError(fmt::format(
+        "the flow diverged: {}; no file is written{}", result.message,
+        kept ? fmt::format(", and {} keeps the state of at most a minute before", options.checkpoint.string())
+             : std::string()));
+  }
+  flow::save_flow(result, plan, arguments.output);
+  const flow::StoredFlow stored = flow::load_flow(arguments.output);
+  print(arguments.json ? to_json(stored).dump() + "\n" : to_table(stored, arguments.output));
+  if (result.status != flow::FlowStatus::max_time) {
+    fs::remove(options.checkpoint, ignored);
+    return kDone;
+  }
+  warn(fmt::format(
+      "{} is written and marked: {}; {} is kept: the same line with a larger max_time goes on from there",
+      arguments.output, result.message, options.checkpoint.string()));
+  return kToleranceMissed;
+}
+
+}  // namespace samara::apps

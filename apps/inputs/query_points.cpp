@@ -1,0 +1,203 @@
+#include "inputs/query_points.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "inputs/assignments.h"
+#include "inputs/value_lists.h"
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
+#include "samara/base/units.h"
+#include "samara/io/number_table.h"
+#include "samara/io/text_file.h"
+
+namespace samara::apps {
+
+namespace {
+
+using codebooks::Codebook;
+using codebooks::Coordinate;
+using Eigen::Index;
+
+std::vector<double> times_of(const Codebook& book, const QueryArguments& arguments) {
+  const bool is_composed = !arguments.until.empty();
+  const Coordinate& time = book.time(is_composed ? "--until" : arguments.frames ? "--frames" : "--at");
+  const std::vector<double> times = numbers_of("--at", arguments.at, time.unit);
+  if (!times.empty()) return times;
+  const double end = is_composed ? number_or_quantity("--until", arguments.until, time.unit) : time.upper;
+  const double begin = is_composed ? 0.0 : time.lower;
+  if (!(end > begin))
+    throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
+  constexpr int kUsualTimes = 11;
+  const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(arguments.frames.value_or(kUsualTimes), begin, end);
+  return {all.begin(), all.end()};
+}
+
+/// A column of a table: "v(0)[cm/s]".
+struct Column {
+  std::string name, unit;  ///< no unit: SI
+};
+
+Column column_of(const std::string& header) {
+  const std::size_t open = header.find('[');
+  if (open == std::string::npos || !header.ends_with(']')) return {header, ""};
+  return {header.substr(0, open), header.substr(open + 1, header.size() - open - 2)};
+}
+
+/// The rows of --points, and which coordinate each column is.
+struct GivenPoints {
+  std::string file;
+  io::NumberTable table;
+  std::vector<Index> coordinates;  ///< of the columns
+};
+
+GivenPoints given_points(const std::string& path, const std::vector<Coordinate>& coordinates) {
+  const bool is_stdin = path == "-";
+  const std::string file = is_stdin ? "stdin" : path;
+  std::string text = io::read_text_file(is_stdin ? "/dev/stdin" : path);
+  GivenPoints given{file, io::NumberTable::parse(std::move(text), file), {}};
+  std::vector<std::string> known;
+  for (const Coordinate& c : coordinates) known.push_back(c.name);
+  for (const std::string& header : given.table.header()) {
+    const std::string name = full_name(column_of(header).name, known);
+    const auto found = std::ranges::find(known, name);
+    if (found == known.end()) {
+      throw InputError(given.file, fmt::format("the column \"{}\" is no coordinate of the codebook{}", header,
+                                               suggestion(name, known)));
+    }
+    const Index at = found - known.begin();
+    if (std::ranges::count(given.coordinates, at) > 0)
+      throw InputError(given.file, fmt::format("two columns hold \"{}\"; one was expected", name));
+    given.coordinates.push_back(at);
+  }
+  if (given.table.values().rows() == 0) throw InputError(given.file, "has no rows; points were expected");
+  return given;
+}
+
+/// A column in SI.
+Eigen::VectorXd in_si(const GivenPoints& given, Index column, const Coordinate& coordinate) {
+  const std::string unit = column_of(given.table.header()[static_cast<std::size_t>(column)]).unit;
+  Eigen::VectorXd values = given.table.values().col(column);
+  for (Index row = 0; row < values.size(); ++row) {
+    if (std::isnan(values[row]))
+      throw given.table.error(row, fmt::format("has no {}, but a number was expected", coordinate.name));
+  }
+  if (unit.empty() || unit == coordinate.unit) return values;
+  try {
+    if (!same_dimension(unit, coordinate.unit))
+      throw ArgumentError(fmt::format("{} is in {}, expected {}", coordinate.name, unit, coordinate.unit));
+    const Unit scale = parse_unit(unit);
+    for (double& value : values) value = scale.to_si(value);
+  } catch (const ArgumentError& error) {
+    throw InputError(given.file, error.what());
+  }
+  return values;
+}
+
+/// A table names the line where a point leaves the box.
+void check_inside(const GivenPoints& given, const std::vector<Coordinate>& coordinates,
+                  const Eigen::MatrixXd& x, Index times) {
+  for (Index row = 0; row < x.rows(); ++row) {
+    for (const Index k : given.coordinates) {
+      const Coordinate& c = coordinates[static_cast<std::size_t>(k)];
+      if (x(row, k) >= c.lower && x(row, k) <= c.upper) continue;
+      const std::string unit = unit_suffix(c.unit);
+      throw OutsideBoxError(
+          given.table
+              .error(row / times, fmt::format("{} = {}{} is outside the box, [{}, {}]{}", c.name, x(row, k),
+                                              unit, c.lower, c.upper, unit))
+              .what());
+    }
+  }
+}
+
+/// What one asks for may not take all the memory there is.
+void check_count(Index rows, Index columns) {
+  constexpr double kMost = 1e8;
+  const double numbers = static_cast<double>(rows) * static_cast<double>(columns);
+  if (numbers > kMost)
+    throw ArgumentError(fmt::format(
+        "{} points are asked for at once, {:.3g} numbers; fewer times or a part of the table were "
+        "expected",
+        rows, numbers));
+}
+
+void clamp(QueryPoints& points, const std::vector<Coordinate>& coordinates) {
+  for (Index k = 0; k < points.x.cols(); ++k) {
+    const Coordinate& c = coordinates[static_cast<std::size_t>(k)];
+    const Eigen::VectorXd inside = points.x.col(k).cwiseMax(c.lower).cwiseMin(c.upper);
+    if (inside != points.x.col(k)) points.clamped.push_back(c.name);
+    points.x.col(k) = inside;
+  }
+}
+
+}  // namespace
+
+QueryPoints points_of(const Codebook& book, const std::vector<Coordinate>& coordinates,
+                      const QueryArguments& arguments) {
+  std::optional<GivenPoints> given;
+  if (!arguments.points.empty()) given = given_points(arguments.points, coordinates);
+  const auto is_column = [&](Index k) { return given && std::ranges::count(given->coordinates, k) > 0; };
+  const bool has_time = book.has_time();
+  const auto count = std::ssize(coordinates);
+  const Index first = has_time ? 1 : 0;
+  std::map<std::string, std::string> units;
+  for (Index k = first; k < count; ++k) {
+    const Coordinate& c = coordinates[static_cast<std::size_t>(k)];
+    if (!is_column(k)) units[c.name] = c.unit;
+  }
+  for (const std::string& text : arguments.set) {
+    const std::string name = setting_of("--set", text).name;
+    for (Index k = first; k < count; ++k)
+      if (is_column(k) && coordinates[static_cast<std::size_t>(k)].name == name)
+        throw ArgumentError(fmt::format("--set names \"{}\", which is a column of {}", name, given->file));
+  }
+  const std::map<std::string, double> values = parse_assignments(arguments.set, units);
+
+  const bool asks_times = !arguments.at.empty() || !arguments.until.empty() || arguments.frames;
+  if (is_column(0) && has_time && asks_times)
+    throw ArgumentError(
+        fmt::format("{} has a column of the time: neither --at nor --frames was expected", given->file));
+  std::vector<double> times;
+  if ((has_time && !is_column(0)) || (asks_times && !has_time)) times = times_of(book, arguments);
+  const Index rows = given ? given->table.values().rows() : 1,
+              repeats = std::max<Index>(1, std::ssize(times));
+  check_count(rows * repeats, count + book.output_count());
+
+  QueryPoints points;
+  points.from_table = given.has_value();
+  points.x.resize(rows * repeats, count);
+  if (!times.empty()) {
+    const Eigen::Map<const Eigen::VectorXd> all(times.data(), std::ssize(times));
+    points.x.col(0) = all.replicate(rows, 1);
+  }
+  for (Index column = 0; given && column < std::ssize(given->coordinates); ++column) {
+    const Index k = given->coordinates[static_cast<std::size_t>(column)];
+    const Eigen::VectorXd one = in_si(*given, column, coordinates[static_cast<std::size_t>(k)]);
+    // All times of a point follow one another.
+    points.x.col(k) = one.transpose().replicate(repeats, 1).reshaped();
+  }
+  for (Index k = first; k < count; ++k) {
+    if (is_column(k)) continue;
+    const Coordinate& c = coordinates[static_cast<std::size_t>(k)];
+    const auto value = values.find(c.name);
+    if (value == values.end()) {
+      throw ArgumentError(fmt::format("{} is not set, expected --set \"{}=VALUE\" with a value in [{}, {}]{}",
+                                      c.name, c.name, c.lower, c.upper, unit_suffix(c.unit)));
+    }
+    points.x.col(k).setConstant(value->second);
+  }
+  if (arguments.clamp) {
+    clamp(points, coordinates);
+  } else if (given) {
+    check_inside(*given, coordinates, points.x, repeats);
+  }
+  return points;
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include "inputs/assignments.h"
+#include "models/steered_model.h"
+#include "options/commands.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/model/model_file.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/io/csv.h"
+#include "samara/motion/ghost/ghost_force.h"
+#include "terminal/output.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+motion::PosePath path_of_file(const std::string& file) {
+  const std::vector<identification::Capture> captures = identification::read_captures(file);
+  if (captures.size() != 1) {
+    throw InputError(file, fmt::format("holds {} motions, expected one", captures.size()));
+  }
+  try {
+    return motion::path_of(captures.front());
+  } catch (const ArgumentError& error) {
+    throw InputError(file, error.what());
+  }
+}
+
+motion::GhostOptions box_of(const GhostArguments& arguments,
+                            const std::map<std::string, std::string>& units) {
+  motion::GhostOptions options;
+  for (const std::string& text : arguments.box) {
+    const Setting setting = setting_of("--box", text);
+    const auto unit = units.find(setting.name);
+    if (unit == units.end()) {
+      throw ArgumentError(fmt::format("--box: the model has no parameter \"{}\"", setting.name));
+    }
+    const models::Interval range = interval_of(setting.name, setting.text, unit->second);
+    options.box[setting.name] = {range.lower, range.upper};
+  }
+  return options;
+}
+
+std::string line_of(const char* what, const motion::GhostSizes& sizes) {
+  return fmt::format("{:<18}{:>10.3g} {:>10.3g} {:>10.3g} {:>10.3g}\n", what, sizes.rms, sizes.median,
+                     sizes.quantile90, sizes.max);
+}
+
+std::string text_of(const motion::GhostForce& ghost, const models::ForceUnits& units) {
+  std::string text = fmt::format(
+      "{} frames, {} minima of speed; forces in net weights of {:.4g} {}, torques in these times {:.4g}\n"
+      "{:<18}{:>10} {:>10} {:>10} {:>10}\n",
+      ghost.times.size(), ghost.events, ghost.net_weight, units.force, ghost.semi_length, "", "rms", "median",
+      "90 %", "max");
+  text += line_of("force", ghost.declared.force_sizes) + line_of("torque", ghost.declared.torque_sizes);
+  if (!ghost.box) return text;
+  text += line_of("force in the box", ghost.box->ghost.force_sizes) +
+          line_of("torque in the box", ghost.box->ghost.torque_sizes);
+  return text +
+         fmt::format("travel of the best coefficients: {:.3g} of their ranges from minimum to minimum\n",
+                     ghost.box->travel);
+}
+
+Json json_of(const motion::GhostSizes& sizes) {
+  return {{"rms", sizes.rms}, {"median", sizes.median}, {"quantile90", sizes.quantile90}, {"max", sizes.max}};
+}
+
+Json json_of(const motion::GhostForce& ghost) {
+  Json object = {{"schema", "samara-ghost/1"},
+                 {"frames", ghost.times.size()},
+                 {"events", ghost.events},
+                 {"net_weight", ghost.net_weight},
+                 {"semi_length", ghost.semi_length},
+                 {"force", json_of(ghost.declared.force_sizes)},
+                 {"torque", json_of(ghost.declared.torque_sizes)}};
+  if (ghost.box) {
+    object["box"] = {{"coefficients", ghost.box->names},
+                     {"force", json_of(ghost.box->ghost.force_sizes)},
+                     {"torque", json_of(ghost.box->ghost.torque_sizes)},
+                     {"travel", ghost.box->travel}};
+  }
+  return object;
+}
+
+std::string table_of(const motion::GhostForce& ghost) {
+  std::vector<std::string> header = {"t", "force", "torque"};
+  const Eigen::Index columns = ghost.box ? 5 + ghost.box->coefficients.cols() : 3;
+  Eigen::MatrixXd rows(ghost.times.size(), columns);
+  rows.leftCols(3) << ghost.times, ghost.declared.force, ghost.declared.torque;
+  if (ghost.box) {
+    header.insert(header.end(), {"force_in_box", "torque_in_box"});
+    header.insert(header.end(), ghost.box->names.begin(), ghost.box->names.end());
+    rows.rightCols(columns - 3) << ghost.box->ghost.force, ghost.box->ghost.torque, ghost.box->coefficients;
+  }
+  return io::format_csv(header, rows);
+}
+
+}  // namespace
+
+int run(const GhostArguments& arguments) {
+  if (!arguments.output.empty())
+    check_output(arguments.output, {arguments.model, arguments.path, arguments.coefficients});
+  const auto model = codebooks::open_model(arguments.model);
+  std::map<std::string, std::string> units, parameter_units;
+  for (const auto& parameter : model->info().parameters) units[parameter.name] = parameter.unit;
+  parameter_units = units;
+  for (const auto& state : model->info().states) units[state.name + "(0)"] = state.unit;
+  SteeredModel steered{.book = nullptr, .model = model, .values = parse_assignments(arguments.set, units)};
+  if (!arguments.coefficients.empty()) {
+    steered = steered_model(arguments.coefficients, model, steered.values);
+    warn_of_missed_tolerance(*steered.book, arguments.coefficients);
+  }
+  const models::ParametricModel parametric(steered.model, steered.values, {});
+  parametric.check({});
+  warn_of_parameters(*model, parametric.fixed());
+  const motion::GhostForce ghost =
+      ghost_force(parametric, path_of_file(arguments.path), box_of(arguments, parameter_units));
+  if (!arguments.output.empty()) write_answer(arguments.output, table_of(ghost));
+  if (arguments.json) {
+    print(json_of(ghost));
+  } else {
+    print(text_of(ghost, models::force_units(model->info())));
+  }
+  return kDone;
+}
+
+}  // namespace samara::apps

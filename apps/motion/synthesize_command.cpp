@@ -1,0 +1,136 @@
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "options/commands.h"
+#include "pictures/animation.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/identification/series/series_codebook.h"
+#include "samara/io/atomic_file.h"
+#include "samara/io/csv.h"
+#include "samara/io/file_lock.h"
+#include "samara/models/trajectories/integrator_trajectories.h"
+#include "samara/motion/ghost/ghost_force.h"
+#include "samara/motion/pages/motion_page.h"
+#include "samara/motion/planning/motion_picture.h"
+#include "samara/motion/planning/planner.h"
+#include "terminal/interrupts.h"
+#include "terminal/output.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+void check_outputs(const SynthesizeArguments& arguments) {
+  const bool is_csv = std::filesystem::path(arguments.output).extension() == ".csv";
+  if (!is_csv && !names_animation(arguments.output)) {
+    throw ArgumentError(
+        fmt::format("-o is \"{}\", expected a name that ends in .glb, .usda or .csv", arguments.output));
+  }
+  for (const std::string& path :
+       {arguments.output, arguments.course, arguments.csv, arguments.picture, arguments.report}) {
+    if (!path.empty()) check_output(path, {arguments.plan});
+  }
+}
+
+std::string states_csv(const motion::MotionPlan& plan, const motion::MotionResult& motion) {
+  const models::ModelInfo& info = plan.model->info();
+  std::vector<std::string> header = {fmt::format("t[{}]", models::time_unit(info))};
+  for (const models::StateInfo& state : info.states)
+    header.push_back(fmt::format("{}[{}]", state.name, state.unit));
+  Eigen::MatrixXd rows(motion.times.size(), 1 + motion.states.cols());
+  rows << motion.times, motion.states;
+  return io::format_csv(header, rows);
+}
+
+/// What the body is without the coefficients that the course gives.
+std::map<std::string, double> others(const motion::MotionPlan& plan) {
+  std::map<std::string, double> fixed = plan.fixed;
+  for (const motion::SteeredCoefficient& coefficient : plan.box) fixed.erase(coefficient.name);
+  return fixed;
+}
+
+/// The motion as everybody else would get it: from the file of its course.
+void write_motion(const SynthesizeArguments& arguments, const motion::MotionPlan& plan,
+                  const motion::MotionResult& motion, const codebooks::Codebook& book) {
+  if (!names_animation(arguments.output))
+    return io::write_text_atomically(arguments.output, states_csv(plan, motion));
+  const auto model = models::following(plan.model, identification::codebook_course(book, plan.model->info()));
+  const models::ParametricModel natural(plan.model, plan.fixed, {});
+  const auto family = models::integrator_trajectories(model, others(plan), {}, models::IntegrateOptions{});
+  write_animation(arguments.output,
+                  {.states = animated_states(plan.model->info()),
+                   .body = animated_body(arguments.body, natural, {}),
+                   .model = plan.model->info().name,
+                   .parameters = plan.fixed,
+                   .notes = {{"plan", plan.text}, {"seed", std::to_string(plan.search.seed)}},
+                   .from = 0.0,
+                   .to = motion.end,
+                   .family = family.get()});
+}
+
+/// Where an interrupted search is kept. @throws ArgumentError for --resume without any
+motion::PlanningOptions planning_options(const SynthesizeArguments& arguments) {
+  motion::PlanningOptions options{.progress = progress_line(), .checkpoint = arguments.output + ".part"};
+  std::error_code ignored;
+  const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
+  if (arguments.resume && !is_there)
+    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
+  if (arguments.fresh) std::filesystem::remove(options.checkpoint, ignored);
+  return options;
+}
+
+int end_interrupted_search(const motion::PlanningOptions& options, const std::string& message) {
+  std::error_code ignored;
+  warn(std::filesystem::exists(options.checkpoint, ignored)
+           ? fmt::format("{}; {} is kept: the same line goes on from there", message,
+                         options.checkpoint.string())
+           : message);
+  return kInterrupted;
+}
+
+}  // namespace
+
+int run(const SynthesizeArguments& arguments) {
+  catch_interrupts();
+  check_outputs(arguments);
+  const motion::MotionPlan plan = motion::read_motion_plan(arguments.plan);
+  warn_of_parameters(*plan.model, plan.fixed);
+  const io::FileLock lock(arguments.output + ".lock", fmt::format("synthesizes {}", arguments.output));
+  const motion::PlanningOptions options = planning_options(arguments);
+  const motion::MotionResult motion = plan_motion(plan, options);
+  clear_progress();
+  if (motion.status == motion::MotionStatus::cancelled)
+    return end_interrupted_search(options, motion.message);
+  if (!motion.is_usable()) throw NoResultError(motion.message);
+  const codebooks::Codebook book =
+      course_codebook(*motion.course, plan.model->info(), others(plan), motion.end);
+  if (!arguments.course.empty()) codebooks::save(book, arguments.course);
+  write_motion(arguments, plan, motion, book);
+  if (!arguments.csv.empty()) io::write_text_atomically(arguments.csv, states_csv(plan, motion));
+  const models::ParametricModel declared(
+      models::following(plan.model, identification::codebook_course(book, plan.model->info())), others(plan),
+      {});
+  const motion::GhostForce ghost =
+      ghost_force(declared, motion::path_of(plan.model->info(), motion.times, motion.states));
+  if (!arguments.picture.empty())
+    io::write_text_atomically(arguments.picture, motion::motion_picture(plan, motion, ghost));
+  if (!arguments.report.empty())
+    io::write_text_atomically(arguments.report, motion::motion_html(plan, motion, ghost));
+  if (arguments.json) {
+    print(motion::motion_json(plan, motion, ghost));
+  } else {
+    print(fmt::format(
+        "{}: {}\non the way {:.4g}, {} knots; invisible force at most {:.2g} net weights, torque {:.2g}\n",
+        to_string(motion.status), motion.message, motion.end, motion.course->knots().size(),
+        ghost.declared.force_sizes.max, ghost.declared.torque_sizes.max));
+  }
+  if (motion.status == motion::MotionStatus::found) return kDone;
+  warn(fmt::format("{}: the motion is written all the same", motion.message));
+  return kToleranceMissed;
+}
+
+}  // namespace samara::apps

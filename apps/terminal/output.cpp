@@ -1,0 +1,229 @@
+#include "terminal/output.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
+#include "samara/codebooks/build/effort.h"
+#include "samara/io/atomic_file.h"
+#include "terminal/terminal.h"
+
+namespace samara::apps {
+
+void print(const std::string& text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (written && std::fflush(stdout) == 0) return;
+  throw ArgumentError(fmt::format("the answer cannot be written to stdout: {}", std::strerror(errno)));
+}
+
+void print(const Json& object) {
+  print(object.dump() + "\n");
+}
+
+void check_output(const std::string& path, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code missing;
+    if (std::filesystem::is_regular_file(path, missing) &&
+        std::filesystem::equivalent(path, input, missing)) {
+      throw ArgumentError(
+          fmt::format("the output \"{}\" is the input \"{}\", which it would overwrite", path, input));
+    }
+  }
+  io::require_writable(path);
+}
+
+void check_replaced(const std::string& path, const std::string& kind, const std::string& mark) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return;
+  constexpr std::size_t kLooked = 65536;
+  std::string begin(kLooked, '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), kLooked);
+  if (begin.find(mark) == std::string::npos)
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is a file, and no {}: it would be overwritten", path, kind));
+}
+
+void write_answer(const std::string& path, const std::string& text) {
+  if (path.empty()) {
+    print(text);
+  } else {
+    io::write_text_atomically(path, text);
+  }
+}
+
+void tell_of_file(const std::string& path, bool json) {
+  if (!json) return;
+  std::error_code ignored;
+  print(Json{
+      {"schema", "samara-file/1"}, {"output", path}, {"bytes", std::filesystem::file_size(path, ignored)}});
+}
+
+namespace {
+
+std::string counted(long count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+}  // namespace
+
+std::string effort(const codebooks::Codebook& book) {
+  const codebooks::BuildRecord& record = book.build();
+  const double sweep = record.grid_size;
+  if (record.builder == "sampling") {
+    const char* calls = book.is_of_command() ? "calls" : "trajectories";
+    const std::string grid = sweep > 0.0 ? fmt::format("; its grid has {:.6g} points", sweep) : "";
+    return fmt::format("{}, {:.6g} {} with those of the checks{}", counted(record.rounds, "round", "rounds"),
+                       record.evaluations, calls, grid);
+  }
+  if (book.space()) return counted(record.rounds, "attempt", "attempts");
+  std::string text = counted(record.rounds, "march", "marches");
+  if (record.strategy == "newton") {
+    text = fmt::format("{}, {}", counted(record.rounds, "round", "rounds"),
+                       counted(record.iterations, "Newton iteration", "Newton iterations"));
+  }
+  text += fmt::format(", {:.3g} evaluations in all", record.evaluations);
+  if (record.builder != "pgd" || !(sweep > 0.0)) return text;
+  text += fmt::format("; a sweep over its grid, {:.6g} trajectories, would take about {:.2g}",
+                      codebooks::sweep_size(book.pieces()), sweep);
+  return sweep < record.evaluations ? text + " and cost less" : text;
+}
+
+std::string miss_of(const codebooks::Codebook& book) {
+  const codebooks::Certificate& c = *book.certificate();
+  if (c.failed_points > 0) {
+    return fmt::format("{} of {} {} of its certificate failed", c.failed_points, c.points,
+                       book.is_of_command() ? "points" : "integrations");
+  }
+  if (c.max_error > c.tolerance)
+    return fmt::format("largest error {:.3g} > {:.3g} ({})", c.max_error, c.tolerance, book.build().message);
+  if (book.build().status == Termination::converged) return "its certificate is marked so";
+  return fmt::format("the builder ended with \"{}\": {}", to_string(book.build().status),
+                     book.build().message);
+}
+
+void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string& path) {
+  if (!book.certificate()) {
+    warn(fmt::format("{} has no certificate", path));
+  } else if (!book.certificate()->met) {
+    warn(fmt::format("{} missed its tolerance: {}", path, miss_of(book)));
+  }
+}
+
+Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  Json object = {{"met", c.met},
+                 {"verdict", codebooks::verdict(c)},
+                 {"tolerance", c.tolerance},
+                 {"max_error", c.max_error},
+                 {"points", c.points},
+                 {"times", c.times},
+                 {"places", c.places},
+                 {"failed_points", c.failed_points},
+                 {"wrong_points", nullptr},
+                 {"share_above", nullptr},
+                 {"climbed_points", c.climbed_points},
+                 {"refuted_before", c.refuted_before},
+                 {"seed", c.seed},
+                 {"integrator", c.integrator},
+                 {"integrator_tolerance", c.integrator_tolerance},
+                 {"residual", c.residual},
+                 {"spent",
+                  {{"discretisation", c.spent.discretisation},
+                   {"compression", c.spent.compression},
+                   {"nonlinearity", c.spent.nonlinearity}}},
+                 {"norm_defect", nullptr},
+                 {"outputs", Json::array()}};
+  if (c.wrong_points) {
+    object["wrong_points"] = *c.wrong_points;
+    object["share_above"] = codebooks::share_above(*c.wrong_points, c.points, c.refuted_before);
+  }
+  if (c.norm_defect) object["norm_defect"] = {{"max", c.norm_defect->max}, {"rms", c.norm_defect->rms}};
+  for (const codebooks::OutputError& o : c.outputs) {
+    Json worst = Json::object();
+    for (std::size_t k = 0; k < o.worst.size(); ++k) worst[book.coordinates()[k].name] = o.worst[k];
+    object["outputs"].push_back({{"name", o.name},
+                                 {"unit", o.unit},
+                                 {"range", o.range},
+                                 {"max", o.max},
+                                 {"p95", o.p95},
+                                 {"mean", o.mean},
+                                 {"rms", o.rms},
+                                 {"max_si", o.max_si},
+                                 {"worst", worst}});
+  }
+  return object;
+}
+
+namespace {
+
+/// What stands beside the points of a certificate: at each of them, all of these.
+std::string spread_of(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  std::string text = book.has_time() ? fmt::format(" x {} times", c.times) : std::string();
+  if (c.places > 0) text += fmt::format(" x {} places", c.places);
+  return text;
+}
+
+/// How tight what a certificate compares with is, where that has a tolerance.
+std::string tolerance_of(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  const bool has_none = book.is_of_command() || (c.places > 0 && c.integrator_tolerance == 0.0);
+  return has_none ? std::string() : fmt::format(", relative tolerance {:.0e}", c.integrator_tolerance);
+}
+
+/// A number, or "-" where there is none.
+std::string shown(double value, const char* format, const std::string& suffix = "") {
+  return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(format), value) + suffix;
+}
+
+}  // namespace
+
+std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  std::string text = fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points{}\n",
+                                 c.met ? codebooks::verdict(c) : "MISSED", shown(c.max_error, "{:.3g}"),
+                                 c.tolerance, c.points, spread_of(c, book));
+  if (c.failed_points > 0) {
+    text += fmt::format("  {} points {}{}{}\n", c.failed_points,
+                        book.is_of_command() ? "have no answer" : "could not be integrated",
+                        c.failure.empty() ? "" : ", the first with: ", c.failure);
+  }
+  if (c.wrong_points) {
+    text +=
+        fmt::format("  with 95 % confidence at most {:.2g} % of the box errs by more: {} of {} points do\n",
+                    100.0 * codebooks::share_above(*c.wrong_points, c.points, c.refuted_before),
+                    *c.wrong_points == 0 ? "none" : std::to_string(*c.wrong_points), c.points);
+  }
+  if (c.climbed_points > 0)
+    text += fmt::format("  {} climbs went from the worst points to what is largest around them\n",
+                        c.climbed_points);
+  text += fmt::format("  against {}{}; seed {}\n", c.integrator, tolerance_of(c, book), c.seed);
+  text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", "output", "max", "95 %", "mean",
+                      "rms", "max in SI", "worst at");
+  for (const codebooks::OutputError& o : c.outputs) {
+    std::string worst;
+    for (std::size_t k = 0; k < o.worst.size(); ++k) {
+      const codebooks::Coordinate& coordinate = book.coordinates()[k];
+      worst += fmt::format("{}{} = {:.4g}{}", k == 0 ? "" : ", ", coordinate.name, o.worst[k],
+                           unit_suffix(coordinate.unit));
+    }
+    text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", o.name, shown(o.max, "{:.2e}"),
+                        shown(o.p95, "{:.2e}"), shown(o.mean, "{:.2e}"), shown(o.rms, "{:.2e}"),
+                        shown(o.max_si, "{:.2e}", unit_suffix(o.unit)), worst.empty() ? "-" : worst);
+  }
+  if (c.norm_defect) {
+    text += fmt::format("  norm of the quaternion, as stored: off by {} at most, {} rms\n",
+                        shown(c.norm_defect->max, "{:.2e}"), shown(c.norm_defect->rms, "{:.2e}"));
+  }
+  // A field is made as a whole: nothing says which part of it errs.
+  if (c.spent.total() > 0.0)
+    text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
+                        c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);
+  return printable(text, "\n");
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <algorithm>
+
+/// How numbers go from one value to another without a jump of their rate.
+namespace samara {
+
+/// 3 s^2 - 2 s^3 within [0, 1], 0 before and 1 behind it.
+inline double smoothstep(double s) {
+  const double inside = std::clamp(s, 0.0, 1.0);
+  return inside * inside * (3.0 - 2.0 * inside);
+}
+
+/// What has gone a share of the way; at the end of it `to` itself, to the last bit.
+inline double gone(double from, double to, double share) {
+  return share == 1.0 ? to : from + share * (to - from);
+}
+
+}  // namespace samara

@@ -1,0 +1,183 @@
+#include "samara/codebooks/composition/motion_symmetry.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/pgd/tensors/random.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
+constexpr std::size_t kDraws = 6;
+/// Signs of so many states are tried, one after the other.
+constexpr std::size_t kMostSigned = 12;
+
+/// States and parameters at which f is compared.
+class Trials {
+ public:
+  Trials(const models::ParametricModel& model, std::span<const double> lower, std::span<const double> upper)
+      : model_(model), workspace_(model.make_workspace()) {
+    pgd::Random random(17);
+    for (std::size_t draw = 0; draw < kDraws; ++draw) {
+      std::vector<double> q;
+      for (std::size_t k = 0; k < lower.size(); ++k)
+        q.push_back(lower[k] + (upper[k] - lower[k]) * random.uniform());
+      parameters_.push_back(std::move(q));
+      Eigen::VectorXd offset(model.state_count());
+      for (double& number : offset) number = random.uniform() - 0.5;
+      add_states(offset);
+    }
+    sizes_ = Eigen::VectorXd::Zero(model.state_count());
+    for (const Eigen::VectorXd& f : rates_) sizes_ = sizes_.cwiseMax(f.cwiseAbs()).eval();
+  }
+
+  /// Whether f at moved(x) is that at x, turned.
+  template <class Move, class Turn>
+  bool keep(double t, const Move& moved, const Turn& turned) {
+    for (std::size_t d = 0; d < states_.size(); ++d) {
+      const Eigen::VectorXd found = rate(t, static_cast<int>(d), moved(states_[d])),
+                            expected = turned(rates_[d]);
+      if (!((found - expected).array().abs() <= 1e-9 * sizes_.array()).all()) return false;
+    }
+    return true;
+  }
+  bool keep(const HalfTurn& turn) {
+    return states_.size() == kDraws &&
+           keep(
+               0.0, [&](const Eigen::VectorXd& x) { return turn.turned(x); },
+               [&](const Eigen::VectorXd& f) -> Eigen::VectorXd { return turn.linear * f; });
+  }
+  /// Whether f stays as it is when a state is moved.
+  bool keep_moved(std::size_t state, double by, double t = 0.0) {
+    const auto moved = [&](Eigen::VectorXd x) {
+      x[static_cast<Eigen::Index>(state)] += by;
+      return x;
+    };
+    return keep(t, moved, [](const Eigen::VectorXd& f) { return f; });
+  }
+
+ private:
+  /// States of the last parameters: beside the initial ones, since where all begin at zero symmetries hold that are
+  /// none; nearer where f has no value that far.
+  void add_states(const Eigen::VectorXd& offset) {
+    const std::vector<double>& q = parameters_.back();
+    const models::ModelInfo& info = model_.model().info();
+    Eigen::VectorXd start(offset.size()), sizes(offset.size());
+    model_.initial(q, {start.data(), info.states.size()});
+    for (Eigen::Index i = 0; i < sizes.size(); ++i)
+      sizes[i] = models::state_scale(info.states[static_cast<std::size_t>(i)], model_.scales(q));
+    const auto draw = static_cast<int>(states_.size());
+    for (double share = 1.0; share > 1e-3; share *= 0.25) {
+      Eigen::VectorXd x = start + share * offset.cwiseProduct(sizes);
+      for (const models::StateGroup& group : info.groups)
+        if (group.kind == models::StateGroupKind::quaternion) x.segment<4>(group.first).normalize();
+      Eigen::VectorXd f = rate(0.0, draw, x);
+      if (!f.allFinite()) continue;
+      states_.push_back(std::move(x));
+      rates_.push_back(std::move(f));
+      return;
+    }
+    parameters_.pop_back();
+  }
+
+  Eigen::VectorXd rate(double t, int draw, const Eigen::VectorXd& x) {
+    Eigen::VectorXd f(x.size());
+    const auto size = static_cast<std::size_t>(x.size());
+    model_.rhs(t, {x.data(), size}, parameters_[static_cast<std::size_t>(draw)], {f.data(), size},
+               workspace_);
+    return f;
+  }
+
+  const models::ParametricModel& model_;
+  models::ParametricModel::Workspace workspace_;
+  std::vector<Eigen::VectorXd> states_, rates_;
+  std::vector<std::vector<double>> parameters_;
+  Eigen::VectorXd sizes_;  ///< of the rates
+};
+
+/// With signs for the states that may change theirs, so that f keeps it. Fewest changes first.
+std::optional<HalfTurn> with_signs(HalfTurn turn, const std::vector<std::size_t>& may_change,
+                                   Trials& trials) {
+  if (may_change.size() > kMostSigned) return std::nullopt;
+  std::vector<unsigned> patterns(std::size_t{1} << may_change.size());
+  for (unsigned p = 0; p < patterns.size(); ++p) patterns[p] = p;
+  std::ranges::stable_sort(patterns, {}, [](unsigned p) { return std::popcount(p); });
+  for (const unsigned pattern : patterns) {
+    for (std::size_t j = 0; j < may_change.size(); ++j) {
+      const auto i = static_cast<Eigen::Index>(may_change[j]);
+      turn.linear(i, i) = (pattern >> j & 1u) != 0 ? -1.0 : 1.0;
+    }
+    if (trials.keep(turn)) return turn;
+  }
+  return std::nullopt;
+}
+
+/// q times i, j or k: a body that is turned by pi about an axis of its own before q places it.
+Eigen::Matrix4d times_unit(int axis) {
+  Eigen::Matrix4d product = Eigen::Matrix4d::Zero();
+  const int a = 1 + axis, b = 1 + (axis + 1) % 3, c = 1 + (axis + 2) % 3;
+  product(0, a) = -1.0;
+  product(a, 0) = 1.0;
+  product(b, c) = 1.0;
+  product(c, b) = -1.0;
+  return product;
+}
+
+}  // namespace
+
+MotionSymmetry motion_symmetry(const models::ParametricModel& model, std::span<const double> lower,
+                               std::span<const double> upper, double later) {
+  const models::ModelInfo& info = model.model().info();
+  const std::size_t states = info.states.size();
+  Trials trials(model, lower, upper);
+  MotionSymmetry symmetry;
+  symmetry.autonomous = trials.keep_moved(0, 0.0, later);
+  for (std::size_t i = 0; i < states; ++i)
+    symmetry.angles.push_back(!trials.keep_moved(i, 1.0) && trials.keep_moved(i, kFullTurn));
+
+  const HalfTurn none{Eigen::MatrixXd::Identity(std::ssize(info.states), std::ssize(info.states)),
+                      Eigen::VectorXd::Zero(std::ssize(info.states)),
+                      {}};
+  std::vector<bool> in_group(states, false);
+  const auto quaternion =
+      std::ranges::find(info.groups, models::StateGroupKind::quaternion, &models::StateGroup::kind);
+  for (const models::StateGroup& group : info.groups) {
+    const int size = group.kind == models::StateGroupKind::quaternion ? 4 : 3;
+    for (int k = 0; k < size; ++k) in_group[static_cast<std::size_t>(group.first + k)] = true;
+  }
+  const auto others = [&](std::size_t but) {
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < states; ++i)
+      if (i != but && !in_group[i]) list.push_back(i);
+    return list;
+  };
+  const auto add = [&](std::optional<HalfTurn> found) {
+    if (found) symmetry.turns.push_back(std::move(*found));
+  };
+  if (quaternion != info.groups.end()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      HalfTurn turn = none;
+      turn.linear.block<4, 4>(quaternion->first, quaternion->first) = times_unit(axis);
+      turn.name = fmt::format("about the body's {} axis", "xyz"[axis]);
+      add(with_signs(turn, others(states), trials));
+    }
+  }
+  for (std::size_t i = 0; i < states; ++i) {
+    if (!symmetry.angles[i] || in_group[i]) continue;
+    HalfTurn turn = none;
+    turn.shift[static_cast<Eigen::Index>(i)] = std::numbers::pi;
+    turn.name = fmt::format("of {} by pi", info.states[i].name);
+    add(with_signs(turn, others(i), trials));
+  }
+  return symmetry;
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,111 @@
+#include "samara/identification/files/follow_files.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/model/model_file.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/files/fit_source.h"
+#include "samara/identification/problem/fit_config.h"
+#include "samara/identification/report/read_fit.h"
+
+namespace samara::identification {
+
+namespace {
+
+std::shared_ptr<const models::Model> followed_model(const std::string& source) {
+  if (is_model_source(source)) return codebooks::open_model(source);
+  const codebooks::Codebook book = codebooks::load(source);
+  const auto family = codebooks::codebook_trajectories(book);
+  if (family->equations() == nullptr)
+    throw InputError(source, "a motion is followed with its equations, which are not known; a model was expected");
+  return family->equations()->shared_model();
+}
+
+std::vector<Capture> captures_in(const std::filesystem::path& file, const std::filesystem::path& sidecar) {
+  return sidecar.empty() || file.extension() == ".toml" ? read_captures(file) : read_captures(file, sidecar);
+}
+
+/// What a request says beside the fit.
+FollowOptions requested_options(const models::Model& model, const FitResult& fitted, const Capture& capture,
+                                const FollowRequest& request) {
+  FollowOptions options = follow_options(model, fitted, capture);
+  std::vector<std::string> known;
+  for (const auto& [name, noise] : options.noise) known.push_back(name);
+  if (options.attitude_noise) known.emplace_back("attitude");
+  const auto given = request.frame_noise ? request.frame_noise(model.info()) : std::map<std::string, double>();
+  for (const auto& [name, noise] : given) {
+    if (!contains(known, name)) {
+      throw ArgumentError(fmt::format("the noise of \"{}\" was given, which is not measured{}", name,
+                                      suggestion(name, known)));
+    }
+    if (name == "attitude") {
+      options.attitude_noise = noise;
+    } else {
+      options.noise[name] = noise;
+    }
+  }
+  if (request.step) options.step = *request.step;
+  if (request.start_frames) options.start_frames = *request.start_frames;
+  return options;
+}
+
+NoiseChoice chosen_noise(const std::shared_ptr<const models::Model>& model, const FitResult& fitted,
+                         const FollowRequest& request) {
+  std::vector<Capture> captures;
+  for (const std::filesystem::path& file : request.training) {
+    for (Capture& capture : captures_in(file, request.sidecar)) captures.push_back(std::move(capture));
+  }
+  std::vector<FollowOptions> options;
+  for (const Capture& capture : captures) options.push_back(requested_options(*model, fitted, capture, request));
+  NoiseSearch search{.ahead = request.ahead, .stride = 0.5 * request.ahead, .progress = request.progress};
+  search.start.noise_factor = request.noise.noise_factor;
+  for (double NoiseChoice::*const number :
+       {&NoiseChoice::velocity, &NoiseChoice::rate, &NoiseChoice::spread, &NoiseChoice::drift}) {
+    if (request.noise.*number > 0.0) search.start.*number = request.noise.*number;
+  }
+  return choose_noise(model, options, captures, search);
+}
+
+}  // namespace
+
+FollowReport follow_files(const FollowRequest& request) {
+  FitResult fitted = read_fit(request.fit);
+  const auto model = followed_model(request.source);
+  FollowReport report{.model = model->info().name, .source = request.source, .noise = request.noise};
+  if (fitted.model != report.model) {
+    throw InputError(request.fit.string(), fmt::format("it is a fit of the model \"{}\"; one of \"{}\" was expected",
+                                                       fitted.model, report.model));
+  }
+  if (!fitted.is_usable()) report.warnings.push_back(fmt::format("{}: {}", request.fit.string(), fitted.message));
+  if (!request.config.empty()) {
+    const FitOptions config = read_fit_config(request.config, config_names(model->info()));
+    fitted.setup.unknowns.known = config.unknowns.known;
+    fitted.setup.solver.step = config.solver.step;
+  }
+  if (fitted.setup.camera.scale || fitted.setup.camera.rotation) {
+    report.warnings.push_back("the camera of the fit was not known for sure; here its lengths and axes are taken as right");
+  }
+  const std::vector<Capture> tracks = captures_in(request.track, request.sidecar);
+  if (tracks.size() != 1) {
+    throw InputError(request.track.string(),
+                     fmt::format("it holds {} captures; one was expected (\"where\" in a sidecar chooses)", tracks.size()));
+  }
+  if (!request.training.empty()) {
+    report.noise = chosen_noise(model, fitted, request);
+    report.noise_was_chosen = true;
+  } else if (request.noise.velocity == 0.0 && request.noise.rate == 0.0) {
+    report.warnings.push_back(
+        "the model is taken as exact; errors hold where it is (captures to train on choose how far it is not)");
+  }
+  const FollowOptions options = requested_options(*model, fitted, tracks.front(), request);
+  report.motion = follow(model, with_noise(options, report.noise), tracks.front(), request.ahead);
+  return report;
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,174 @@
+#include "samara/identification/following/follow_report.h"
+
+#include <array>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "samara/base/rounded.h"
+#include "samara/base/unit_labels.h"
+#include "samara/identification/report/diagnostics_report.h"
+
+namespace samara::identification {
+
+namespace {
+
+Json rows_of(const Eigen::MatrixXd& table) {
+  Json rows = Json::array();
+  for (Eigen::Index row = 0; row < table.rows(); ++row) rows.push_back(column(table.row(row).transpose()));
+  return rows;
+}
+
+std::string header_of(const std::string& name, const std::string& unit) {
+  return fmt::format("{}[{}]", name, unit);
+}
+
+void add_cell(std::string& line, double value) {
+  line += std::isfinite(value) ? fmt::format(",{}", value) : ",";
+}
+
+/// The last row that has a state; -1 if there is none.
+Eigen::Index last_followed(const FollowedMotion& motion) {
+  for (Eigen::Index row = motion.values.rows(); row-- > 0;) {
+    if (motion.values.cols() > 0 && !std::isnan(motion.values(row, 0))) return row;
+  }
+  return -1;
+}
+
+}  // namespace
+
+std::string follow_text(const FollowReport& report) {
+  const FollowedMotion& motion = report.motion;
+  std::string text;
+  const auto out = std::back_inserter(text);
+  std::array<int, 5> counts = {};
+  for (const FollowedFrame& frame : motion.frames) ++counts[static_cast<std::size_t>(frame.status)];
+  fmt::format_to(out, "{} followed through \"{}\": {} frames", report.model, motion.capture, motion.frames.size());
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (counts[k] > 0) fmt::format_to(out, ", {} {}", counts[k], to_string(static_cast<FollowStatus>(k)));
+  }
+  double innovations = 0.0;
+  int compared = 0;
+  for (const FollowedFrame& frame : motion.frames) {
+    if (std::isnan(frame.innovation_squared) || frame.status == FollowStatus::outlier) continue;
+    innovations += frame.innovation_squared;
+    compared += frame.values;
+  }
+  text += "\n";
+  if (compared > 0) {
+    fmt::format_to(out, "innovations squared are {:.3g} times what was expected of {} values\n", innovations / compared,
+                   compared);
+  }
+  fmt::format_to(out,
+                 "noise of frames times {:.3g}, of velocities {:.3g} m/s and of rates {:.3g} rad/s per root of a second; "
+                 "coefficients differ by {:.3g} and drift by {:.3g} per root of a second: {}\n",
+                 report.noise.noise_factor, report.noise.velocity, report.noise.rate, report.noise.spread,
+                 report.noise.drift, report.noise_was_chosen ? "chosen on captures to train" : "as given");
+  const Eigen::Index row = last_followed(motion);
+  if (row < 0) {
+    text += "no start was found\n";
+    return text;
+  }
+  fmt::format_to(out, "\nat {:.6g} s{:>14} {:>14} {:>14}\n", motion.state_times[row], "", "value", "error");
+  for (std::size_t k = 0; k < motion.names.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    const double error = motion.errors(row, at);
+    fmt::format_to(out, "{:<24} {:>14} {:>14.2g} {}\n", motion.names[k], rounded(motion.values(row, at), error), error,
+                   shown_unit(motion.units[k]));
+  }
+  if (motion.outputs.empty()) return text;
+  fmt::format_to(out, "\nfrom {:.6g} s, {:.6g} s ahead{:>8} {:>14} {:>14}\n", motion.times[row], motion.ahead, "mean",
+                 "90 % from", "to");
+  for (std::size_t k = 0; k < motion.outputs.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    fmt::format_to(out, "{:<24} {:>14.5g} {:>14.5g} {:>14.5g} {}\n", motion.outputs[k], motion.forecasts.mean(row, at),
+                   motion.forecasts.lower(row, at), motion.forecasts.upper(row, at), shown_unit(motion.output_units[k]));
+  }
+  return text;
+}
+
+std::string follow_csv(const FollowReport& report) {
+  const FollowedMotion& motion = report.motion;
+  std::string text = "t[s],status,hypotheses[1],innovation_squared[1],state_t[s]";
+  for (const char* kind : {"", "smoothed "}) {
+    for (std::size_t k = 0; k < motion.names.size(); ++k) {
+      text += fmt::format(",{},{}", header_of(kind + motion.names[k], motion.units[k]),
+                          header_of(fmt::format("{}error of {}", kind, motion.names[k]), motion.units[k]));
+    }
+  }
+  for (std::size_t k = 0; k < motion.outputs.size(); ++k) {
+    for (const char* kind : {"ahead ", "ahead 5 % ", "ahead 95 % "})
+      text += "," + header_of(kind + motion.outputs[k], motion.output_units[k]);
+  }
+  text += "\n";
+  for (Eigen::Index row = 0; row < motion.times.size(); ++row) {
+    const FollowedFrame& frame = motion.frames[static_cast<std::size_t>(row)];
+    std::string line = fmt::format("{},{},{}", motion.times[row], to_string(frame.status), frame.hypotheses);
+    add_cell(line, frame.innovation_squared);
+    add_cell(line, motion.state_times[row]);
+    for (const auto& [values, errors] : {std::pair{&motion.values, &motion.errors},
+                                         std::pair{&motion.smoothed_values, &motion.smoothed_errors}}) {
+      for (Eigen::Index k = 0; k < values->cols(); ++k) {
+        add_cell(line, (*values)(row, k));
+        add_cell(line, (*errors)(row, k));
+      }
+    }
+    for (Eigen::Index k = 0; k < std::ssize(motion.outputs); ++k) {
+      for (const Eigen::MatrixXd* table : {&motion.forecasts.mean, &motion.forecasts.lower, &motion.forecasts.upper})
+        add_cell(line, (*table)(row, k));
+    }
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string follow_json(const FollowReport& report) {
+  const FollowedMotion& motion = report.motion;
+  Json columns = Json::array();
+  for (std::size_t k = 0; k < motion.names.size(); ++k)
+    columns.push_back({{"name", motion.names[k]}, {"unit", motion.units[k]}});
+  Json outputs = Json::array();
+  for (std::size_t k = 0; k < motion.outputs.size(); ++k)
+    outputs.push_back({{"name", motion.outputs[k]}, {"unit", motion.output_units[k]}});
+  Json frames = Json::array();
+  for (std::size_t k = 0; k < motion.frames.size(); ++k) {
+    const FollowedFrame& frame = motion.frames[k];
+    const auto row = static_cast<Eigen::Index>(k);
+    frames.push_back({{"time", motion.times[row]},
+                      {"state_time", number(motion.state_times[row])},
+                      {"status", to_string(frame.status)},
+                      {"values", frame.values},
+                      {"innovation_squared", number(frame.innovation_squared)},
+                      {"hypotheses", frame.hypotheses}});
+  }
+  const Json object = {{"schema", "samara-follow/1"},
+                       {"model", report.model},
+                       {"source", report.source},
+                       {"capture", motion.capture},
+                       {"noise",
+                        {{"chosen", report.noise_was_chosen},
+                         {"noise_factor", report.noise.noise_factor},
+                         {"velocity", report.noise.velocity},
+                         {"rate", report.noise.rate},
+                         {"spread", report.noise.spread},
+                         {"drift", report.noise.drift},
+                         {"score", report.noise_was_chosen ? Json(report.noise.score) : Json(nullptr)}}},
+                       {"columns", columns},
+                       {"frames", frames},
+                       {"values", rows_of(motion.values)},
+                       {"errors", rows_of(motion.errors)},
+                       {"smoothed_values", rows_of(motion.smoothed_values)},
+                       {"smoothed_errors", rows_of(motion.smoothed_errors)},
+                       {"log_likelihood", number(motion.log_likelihood)},
+                       {"ahead", motion.outputs.empty() ? Json(nullptr) : Json(motion.ahead)},
+                       {"outputs", outputs},
+                       {"forecast", rows_of(motion.forecasts.mean)},
+                       {"forecast_lower", rows_of(motion.forecasts.lower)},
+                       {"forecast_upper", rows_of(motion.forecasts.upper)},
+                       {"warnings", report.warnings}};
+  return object.dump() + "\n";
+}
+
+}  // namespace samara::identification

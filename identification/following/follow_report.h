@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "samara/identification/following/followed_motion.h"
+#include "samara/identification/following/noise_search.h"
+
+/// A followed motion as text, as a table and as JSON.
+namespace samara::identification {
+
+/// What `samara follow` answers.
+struct FollowReport {
+  std::string model = {}, source = {};  ///< by name; and as the caller called it
+  FollowedMotion motion = {};
+  NoiseChoice noise = {};
+  bool noise_was_chosen = false;  ///< on training captures; else given
+  std::vector<std::string> warnings = {};
+};
+
+/// How it went, the last state and what is forecast from there.
+std::string follow_text(const FollowReport& report);
+
+/// A row a frame: time, status, hypotheses, innovation squared; values and errors of states and coefficients, the same
+/// smoothed, and forecasts. Cells of what is not known are empty.
+std::string follow_csv(const FollowReport& report);
+
+/// All of it; schema samara-follow/1.
+std::string follow_json(const FollowReport& report);
+
+}  // namespace samara::identification

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/following/follower.h"
+#include "samara/identification/statistics/forecast_band.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/models/interface/model.h"
+
+/// Captures followed with what a fit found (follower.h).
+///
+///     const FollowOptions options = follow_options(*model, fitted, capture);
+///     const FollowedMotion motion = follow(model, options, capture);
+namespace samara::identification {
+
+/// What a fit says of a motion that it has not seen: outputs and their noise (its noise levels, else what its residuals
+/// leave), what was held, coefficients with their errors (by factors where their box is positive), where each capture's
+/// own unknowns may lie (priors, else their boxes). Coefficients without an error, and initial values that captures
+/// share, are held. Model noise and drifts are zero: choose_noise() finds them.
+/// @param capture has the values of what is known for each capture; outputs it does not measure are left out
+/// @throws ArgumentError or InputError for a fit that failed, with delay, gains, or offsets of what is no place; for a
+/// capture that lacks a known value or all outputs; and if an output has neither a noise nor a residual
+FollowOptions follow_options(const models::Model& model, const FitResult& fitted, const Capture& capture);
+
+/// A capture, frame by frame. Tables have a row for each frame; NaN before the start was found.
+struct FollowedMotion {
+  std::string capture = {};             ///< its id
+  std::vector<std::string> names = {};  ///< of columns: the states of the model, then the coefficients
+  std::vector<std::string> units = {};
+  Eigen::VectorXd times = {};        ///< s, of frames
+  Eigen::VectorXd state_times = {};  ///< s, of states: half a mean of frames earlier
+  std::vector<FollowedFrame> frames = {};
+  Eigen::MatrixXd values = {}, errors = {};  ///< SI; the most likely hypothesis after the frame, and standard errors
+  /// The same in the light of all frames; NaN for frames that were not followed.
+  Eigen::MatrixXd smoothed_values = {}, smoothed_errors = {};
+  double log_likelihood = 0.0;  ///< of all frames after starts, each before it was seen
+  /// Of each frame, what would be measured `ahead` seconds later of outputs: as Follower::forecast(), with a band of
+  /// 90 %. No columns if it was not asked for.
+  double ahead = 0.0;
+  std::vector<std::string> outputs = {}, output_units = {};
+  ForecastBand forecasts = {};
+};
+
+/// Values of a frame in the order of Follower::measured(), NaN where the capture has no such channel.
+/// @throws ArgumentError if it measures none of them
+Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture);
+
+/// @param ahead s; 0: no forecasts
+/// @throws ArgumentError as Follower and Follower::add(), and for a time ahead that is negative
+FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOptions& options,
+                      const Capture& capture, double ahead = 0.0);
+
+}  // namespace samara::identification

@@ -1,0 +1,171 @@
+#include "samara/identification/following/noise_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/parallel.h"
+#include "samara/base/require.h"
+#include "samara/identification/following/followed_motion.h"
+
+namespace samara::identification {
+
+namespace {
+
+/// Frames that come a little early or late are those that were meant.
+constexpr double kSameFrame = 1e-6;
+/// A forecast that fails, or is off by more, counts as one so unlikely: one of them must not decide.
+constexpr double kLeastDensity = -50.0;
+
+struct Score {
+  double sum = 0.0;
+  int frames = 0;
+};
+
+/// Logarithm of the density of what was seen, of the outputs that were.
+double log_density(const Forecast& forecast, const Eigen::RowVectorXd& seen) {
+  std::vector<Eigen::Index> there;
+  for (Eigen::Index o = 0; o < std::ssize(forecast.outputs); ++o) {
+    if (!std::isnan(seen[o])) there.push_back(o);
+  }
+  double density = 0.0;
+  for (const ForecastComponent& component : forecast.components) {
+    Eigen::MatrixXd covariance(std::ssize(there), std::ssize(there));
+    Eigen::VectorXd whitened(std::ssize(there));
+    for (Eigen::Index i = 0; i < whitened.size(); ++i) {
+      const Eigen::Index o = there[static_cast<std::size_t>(i)];
+      whitened[i] = seen[o] - component.mean(0, o);
+      for (Eigen::Index j = 0; j < whitened.size(); ++j)
+        covariance(i, j) = component.covariance[0](o, there[static_cast<std::size_t>(j)]);
+    }
+    const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+    if (!whitened.allFinite() || llt.info() != Eigen::Success) continue;
+    llt.matrixL().solveInPlace(whitened);
+    double log_root = 0.0;
+    for (Eigen::Index k = 0; k < whitened.size(); ++k)
+      log_root += std::log(llt.matrixLLT()(k, k)) + 0.5 * std::log(2.0 * std::numbers::pi);
+    density += component.weight * std::exp(-0.5 * whitened.squaredNorm() - log_root);
+  }
+  return std::max(kLeastDensity, std::log(density));
+}
+
+Score score_capture(const std::shared_ptr<const models::Model>& model, const FollowOptions& options,
+                    const Capture& capture, const NoiseSearch& search) {
+  Follower follower(model, options);
+  const Eigen::MatrixXd values = frames_of(follower, capture);
+  const Eigen::Index outputs = std::ssize(options.noise);
+  Score score;
+  double next_origin = 0.0;
+  Eigen::RowVectorXd row(values.cols());
+  for (Eigen::Index k = 0; k < values.rows(); ++k) {
+    row = values.row(k);
+    const FollowedFrame frame = follower.add(capture.times[k], {row.data(), static_cast<std::size_t>(row.size())});
+    if (search.ahead <= 0.0) {
+      if (frame.log_likelihood == 0.0 && frame.status != FollowStatus::lost) continue;
+      score.sum += std::max(kLeastDensity, frame.log_likelihood);
+      ++score.frames;
+      continue;
+    }
+    if (!follower.is_following() || capture.times[k] < next_origin - kSameFrame) continue;
+    next_origin = capture.times[k] + search.stride;
+    Eigen::Index ahead = k;
+    while (ahead < values.rows() && capture.times[ahead] < capture.times[k] + search.ahead - kSameFrame) ++ahead;
+    if (ahead >= values.rows()) continue;
+    const Eigen::RowVectorXd seen = values.row(ahead).head(outputs);
+    if (seen.array().isNaN().all()) continue;
+    score.sum += log_density(follower.forecast({&capture.times[ahead], 1}), seen);
+    ++score.frames;
+  }
+  return score;
+}
+
+}  // namespace
+
+FollowOptions with_noise(FollowOptions options, const NoiseChoice& choice) {
+  for (auto& [name, noise] : options.noise) noise *= choice.noise_factor;
+  if (options.attitude_noise) *options.attitude_noise *= choice.noise_factor;
+  options.model_noise.velocity = choice.velocity;
+  options.model_noise.rate = choice.rate;
+  for (std::size_t j = 0; j < options.coefficients.size(); ++j) {
+    FollowedCoefficient& c = options.coefficients[j];
+    if (c.own) continue;
+    const double size = c.logarithmic ? 1.0 : std::abs(c.value);
+    c.drift = choice.drift * size;
+    c.deviation = std::hypot(c.deviation, choice.spread * size);
+    const auto at = static_cast<Eigen::Index>(j);
+    if (options.coefficient_covariance.size() > 0)
+      options.coefficient_covariance(at, at) += std::pow(choice.spread * size, 2);
+  }
+  return options;
+}
+
+NoiseChoice score_of(const std::shared_ptr<const models::Model>& model, std::span<const FollowOptions> options,
+                     std::span<const Capture> captures, const NoiseSearch& search, NoiseChoice choice) {
+  std::vector<Score> scores(captures.size());
+  parallel_for(std::ssize(captures), [&](std::ptrdiff_t k) {
+    const auto n = static_cast<std::size_t>(k);
+    scores[n] = score_capture(model, with_noise(options[n], choice), captures[n], search);
+  });
+  Score all;
+  for (const Score& score : scores) {
+    all.sum += score.sum;
+    all.frames += score.frames;
+  }
+  choice.frames = all.frames;
+  choice.score = all.frames > 0 ? all.sum / all.frames : kLeastDensity;
+  return choice;
+}
+
+NoiseChoice choose_noise(const std::shared_ptr<const models::Model>& model, std::span<const FollowOptions> options,
+                         std::span<const Capture> captures, const NoiseSearch& search) {
+  require_not_negative(search.ahead, "ahead", "the choice of noise");
+  require_not_negative(search.stride, "stride", "the choice of noise");
+  if (captures.empty() || options.size() != captures.size()) {
+    throw ArgumentError(fmt::format("noise was to be chosen on {} captures with options of {}; as many, and one at "
+                                    "least, were expected",
+                                    captures.size(), options.size()));
+  }
+  std::vector<double NoiseChoice::*> sought;
+  if (search.finds_noise_factor) sought.push_back(&NoiseChoice::noise_factor);
+  if (search.finds_velocity) sought.push_back(&NoiseChoice::velocity);
+  if (search.finds_rate) sought.push_back(&NoiseChoice::rate);
+  if (search.finds_spread) sought.push_back(&NoiseChoice::spread);
+  if (search.finds_drift) sought.push_back(&NoiseChoice::drift);
+  NoiseChoice best = score_of(model, options, captures, search, search.start);
+  int evaluations = 1;
+  constexpr double kFactors[] = {4.0, 2.0, 1.4};
+  for (int round = 0; round < search.rounds; ++round) {
+    const double factor = kFactors[std::min(round, 2)];
+    for (double NoiseChoice::*const number : sought) {
+      for (const double step : {factor, 1.0 / factor}) {
+        bool gained = false;
+        // On the same way as long as it gains.
+        while (true) {
+          NoiseChoice trial = best;
+          trial.*number *= step;
+          trial = score_of(model, options, captures, search, trial);
+          ++evaluations;
+          if (!(trial.score > best.score)) break;
+          best = trial;
+          gained = true;
+          constexpr double kFarEnough = 1e6;
+          if (best.*number > kFarEnough * search.start.*number || best.*number * kFarEnough < search.start.*number) break;
+        }
+        if (search.progress && !search.progress({"following captures", std::min(0.99, 0.02 * evaluations)})) {
+          best.evaluations = evaluations;
+          return best;
+        }
+        if (gained) break;
+      }
+    }
+  }
+  best.evaluations = evaluations;
+  return best;
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,433 @@
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <catch2/catch.hpp>
+
+#include "../allocation_count.h"
+#include "samara/base/errors.h"
+#include "samara/base/streams.h"
+#include "samara/identification/following/follower.h"
+#include "samara/models/equations/equation_model.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
+
+using namespace samara;
+using namespace samara::identification;
+
+namespace {
+
+constexpr double kNotSeen = std::numeric_limits<double>::quiet_NaN();
+
+/// Falling with a drag linear in speed is left out: x' = v, v' = -g, linear, so that the filter of Kalman is exact.
+std::shared_ptr<const models::Model> falling_point() {
+  return models::equation_model({.name = "falling_point",
+                                 .states = {{.name = "x", .unit = "m"}, {.name = "v", .unit = "m/s"}},
+                                 .parameters = {{.name = "g", .unit = "m/s^2"}},
+                                 .rates = {"v", "-g"}});
+}
+
+constexpr double kPlaceNoise = 2e-3;     // m
+constexpr double kVelocityNoise = 0.05;  // m/s per sqrt(s)
+
+FollowOptions point_options() {
+  FollowOptions options;
+  options.noise = {{"x", kPlaceNoise}};
+  options.coefficients = {{.name = "g", .value = 9.0, .deviation = 0.5}};
+  options.start = {{"x", {1.0, 0.1}}, {"v", {0.3, 0.4}}};
+  options.model_noise.velocity = kVelocityNoise;
+  options.start_frames = 1;
+  options.remember = true;
+  return options;
+}
+
+/// Frames at uneven times, one without a value.
+struct PointFrames {
+  std::vector<double> times, values;
+};
+PointFrames point_frames() {
+  Stream random(1, 0);
+  PointFrames frames;
+  for (int k = 0; k < 25; ++k) {
+    const double t = 0.01 * k + (k % 3 == 1 ? 0.004 : 0.0);
+    frames.times.push_back(t);
+    frames.values.push_back(k == 12 ? kNotSeen
+                                    : 1.02 + 0.5 * t - 0.5 * 9.81 * t * t + kPlaceNoise * random.normal());
+  }
+  return frames;
+}
+
+/// All states of all frames at once: mean and covariance of (x, v) of each frame and g, by least squares with the exact
+/// covariance of a double integrator's noise. Only the first `seen` frames count.
+struct BatchSolution {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+BatchSolution batch_solution(const PointFrames& frames, std::size_t count, std::size_t seen) {
+  const auto size = static_cast<Eigen::Index>(2 * count + 1);
+  const Eigen::Index g = size - 1;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
+  const auto add = [&](const Eigen::MatrixXd& rows, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {
+    const Eigen::MatrixXd weighted = covariance.inverse() * rows;
+    normal += rows.transpose() * weighted;
+    right += weighted.transpose() * value;
+  };
+  const auto one = [&](Eigen::Index unknown, double value, double deviation) {
+    Eigen::MatrixXd row = Eigen::MatrixXd::Zero(1, size);
+    row(0, unknown) = 1.0;
+    add(row, Eigen::VectorXd::Constant(1, value), Eigen::MatrixXd::Constant(1, 1, deviation * deviation));
+  };
+  one(0, 1.0, 0.1);
+  one(1, 0.3, 0.4);
+  one(g, 9.0, 0.5);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto at = static_cast<Eigen::Index>(2 * k);
+    if (k < seen && !std::isnan(frames.values[k])) one(at, frames.values[k], kPlaceNoise);
+    if (k + 1 == count) continue;
+    const double h = frames.times[k + 1] - frames.times[k];
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, size);
+    rows.block<2, 2>(0, at + 2).setIdentity();
+    rows.block<2, 2>(0, at) << -1.0, -h, 0.0, -1.0;
+    rows(0, g) = 0.5 * h * h;
+    rows(1, g) = h;
+    Eigen::Matrix2d noise;
+    noise << h * h * h / 3.0, h * h / 2.0, h * h / 2.0, h;
+    add(rows, Eigen::Vector2d::Zero(), kVelocityNoise * kVelocityNoise * noise);
+  }
+  const Eigen::MatrixXd covariance = normal.inverse();
+  return {covariance * right, covariance};
+}
+
+void check_equal(const FollowedState& state, const BatchSolution& exact, std::size_t frame) {
+  const Eigen::Index at = static_cast<Eigen::Index>(2 * frame), g = exact.mean.size() - 1;
+  const std::vector<Eigen::Index> own = {at, at + 1, g};
+  // Round-off: covariances of places are of 1e-6 m^2, of g of 0.25.
+  CHECK(state.states[0] == Approx(exact.mean[at]).epsilon(1e-8));
+  CHECK(state.states[1] == Approx(exact.mean[at + 1]).epsilon(1e-8));
+  CHECK(state.coefficients[0] == Approx(exact.mean[g]).epsilon(1e-8));
+  const Eigen::MatrixXd expected = exact.covariance(own, own);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      const double size = std::sqrt(expected(i, i) * expected(j, j));
+      CHECK(std::abs(state.covariance(i, j) - expected(i, j)) < 1e-6 * size);
+    }
+  }
+}
+
+/// A plate in air: chord 7 cm, 1 mm thick.
+const std::map<std::string, double> kPlate = {{"semi_chord", 0.035}, {"semi_thickness", 5e-4}, {"density", 1200.0},
+                                              {"fluid_density", 1.2}, {"A", 1.4},              {"B", 1.0},
+                                              {"mu1", 0.2},          {"mu2", 0.2}};
+constexpr double kFrame = 0.01;
+
+/// States of the plate at frames.
+Eigen::MatrixXd plate_fall(const std::map<std::string, double>& start, double lift, int frames) {
+  std::map<std::string, double> values = kPlate;
+  values.insert({{"C_T", lift}, {"C_R", 1.5}});
+  values.insert(start.begin(), start.end());
+  const models::ParametricModel model(models::find_model("falling_plate"), values, {});
+  std::vector<double> times;
+  for (int k = 0; k < frames; ++k) times.push_back(kFrame * k);
+  return models::integrate(model, {}, times).states;
+}
+
+/// What a camera sees: of x, y and theta, those with a noise.
+struct PlateNoise {
+  double place = 1e-3;  ///< m
+  double angle = 0.02;  ///< rad; 0: not seen
+};
+
+FollowOptions plate_options(PlateNoise noise) {
+  FollowOptions options;
+  options.noise = {{"x", noise.place}, {"y", noise.place}};
+  if (noise.angle > 0.0) options.noise["theta"] = noise.angle;
+  options.fixed = kPlate;
+  options.fixed["C_R"] = 1.5;
+  options.coefficients = {{.name = "C_T", .value = 1.2, .deviation = 0.1, .logarithmic = true, .lower = 0.1, .upper = 5.0}};
+  options.start = {{"vx", {0.0, 1.0}}, {"vy", {0.0, 1.0}}, {"w", {0.0, 8.0}}};
+  if (noise.angle == 0.0) options.start["theta"] = {0.0, 1.9};
+  return options;
+}
+
+/// In the order of Follower::measured(): by name.
+std::vector<double> seen_of(const Follower& follower, const models::ModelInfo& info, const Eigen::RowVectorXd& state,
+                            const FollowOptions& options, Stream& random) {
+  std::vector<double> values;
+  for (const std::string& name : follower.measured()) {
+    for (std::size_t i = 0; i < info.states.size(); ++i) {
+      if (info.states[i].name == name)
+        values.push_back(state[static_cast<Eigen::Index>(i)] + options.noise.at(name) * random.normal());
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("of a linear motion a follower says what least squares over all frames so far say") {
+  const PointFrames frames = point_frames();
+  Follower follower(falling_point(), point_options());
+  for (std::size_t k = 0; k < frames.times.size(); ++k) {
+    follower.add(frames.times[k], std::array{frames.values[k]});
+    check_equal(follower.state(), batch_solution(frames, k + 1, k + 1), k);
+  }
+  const std::vector<FollowedState> smoothed = follower.smoothed();
+  REQUIRE(smoothed.size() == frames.times.size());
+  const BatchSolution all = batch_solution(frames, frames.times.size(), frames.times.size());
+  for (std::size_t k = 0; k < smoothed.size(); ++k) check_equal(smoothed[k], all, k);
+}
+
+TEST_CASE("a forecast of a linear motion has the mean and the variance of a frame ahead") {
+  PointFrames frames = point_frames();
+  Follower follower(falling_point(), point_options());
+  constexpr std::size_t kSeen = 15;
+  for (std::size_t k = 0; k < kSeen; ++k) follower.add(frames.times[k], std::array{frames.values[k]});
+  const std::vector<double> ahead(frames.times.begin() + kSeen - 1, frames.times.end());
+  const Forecast forecast = follower.forecast(ahead);
+  const BatchSolution exact = batch_solution(frames, frames.times.size(), kSeen);
+  REQUIRE(forecast.components.size() == 1);
+  CHECK(forecast.outputs == std::vector<std::string>{"x"});
+  for (std::size_t k = 0; k < ahead.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(2 * (k + kSeen - 1));
+    const auto row = static_cast<Eigen::Index>(k);
+    CHECK(forecast.components[0].mean(row, 0) == Approx(exact.mean[at]).epsilon(1e-9));
+    CHECK(forecast.components[0].covariance[k](0, 0) ==
+          Approx(exact.covariance(at, at) + kPlaceNoise * kPlaceNoise).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("innovations and errors of followed plates have the distributions that the follower gives them") {
+  // Each fall has a lift of its own, drawn from what is known of it beforehand.
+  const auto model = models::find_model("falling_plate");
+  const FollowOptions options = plate_options({});
+  constexpr int kFalls = 40, kFrames = 40, kAhead = 10;
+  double innovations = 0.0, errors = 0.0;
+  int compared = 0, inside = 0, forecasts = 0;
+  for (int fall = 0; fall < kFalls; ++fall) {
+    Stream random(7, static_cast<std::uint64_t>(fall));
+    const double lift = 1.2 * std::exp(0.1 * random.normal());
+    const Eigen::MatrixXd truth = plate_fall({{"vx(0)", 0.5 * random.normal()},
+                                              {"vy(0)", 0.5 * random.normal()},
+                                              {"w(0)", 4.0 * random.normal()},
+                                              {"theta(0)", std::numbers::pi * random.uniform()}},
+                                             lift, kFrames + kAhead);
+    Follower follower(model, options);
+    std::vector<double> later;
+    for (int k = 0; k < kFrames + kAhead; ++k) {
+      const std::vector<double> values = seen_of(follower, model->info(), truth.row(k), options, random);
+      if (k >= kFrames) {
+        later = values;
+        continue;
+      }
+      const FollowedFrame frame = follower.add(kFrame * k, values);
+      if (std::isnan(frame.innovation_squared)) continue;
+      innovations += frame.innovation_squared;
+      compared += frame.values;
+    }
+    const FollowedState state = follower.state();
+    Eigen::VectorXd error(7);
+    error << (state.states - truth.row(kFrames - 1).transpose()), std::log(state.coefficients[0] / lift);
+    errors += error.dot(state.covariance.ldlt().solve(error));
+    const Forecast ahead = follower.forecast(std::array{kFrame * (kFrames + kAhead - 1)});
+    for (Eigen::Index o = 0; o < 3; ++o) {
+      const ForecastComponent& most = ahead.components.front();
+      const double miss = later[static_cast<std::size_t>(o)] - most.mean(0, o);
+      if (std::abs(miss) < 1.645 * std::sqrt(most.covariance[0](o, o))) ++inside;
+      ++forecasts;
+    }
+  }
+  // chi^2 with n degrees of freedom: mean n, deviation sqrt(2 n); within 3.5 deviations.
+  CHECK(std::abs(innovations - compared) < 3.5 * std::sqrt(2.0 * compared));
+  constexpr double kErrors = 7.0 * kFalls;
+  CHECK(std::abs(errors - kErrors) < 3.5 * std::sqrt(2.0 * kErrors));
+  // 90 % of 120 that are not independent: within 3 times sqrt(3) binomial deviations.
+  CHECK(std::abs(inside - 0.9 * forecasts) < 3.0 * std::sqrt(3.0 * 0.09 * forecasts));
+}
+
+TEST_CASE("frames after the origin of a forecast do not change a bit of it") {
+  const auto model = models::find_model("falling_plate");
+  const FollowOptions options = plate_options({.angle = 0.0});
+  const Eigen::MatrixXd truth = plate_fall({{"w(0)", 3.0}, {"theta(0)", 0.7}}, 1.3, 40);
+  constexpr int kOrigin = 25;
+  std::vector<Forecast> forecasts;
+  for (const double altered : {0.0, 0.05, kNotSeen}) {
+    Stream random(3, 0);
+    Follower follower(model, options);
+    for (int k = 0; k < 40; ++k) {
+      std::vector<double> values = seen_of(follower, model->info(), truth.row(k), options, random);
+      if (k > kOrigin) values[0] += altered;
+      follower.add(kFrame * k, values);
+      if (k == kOrigin) forecasts.push_back(follower.forecast(std::array{kFrame * (k + 5), kFrame * (k + 10)}));
+    }
+  }
+  for (const Forecast& other : forecasts) {
+    REQUIRE(other.components.size() == forecasts[0].components.size());
+    for (std::size_t c = 0; c < other.components.size(); ++c) {
+      CHECK(other.components[c].weight == forecasts[0].components[c].weight);
+      CHECK(other.components[c].mean == forecasts[0].components[c].mean);
+      CHECK(other.components[c].covariance == forecasts[0].components[c].covariance);
+    }
+  }
+}
+
+TEST_CASE("an angle that no frame shows is found from the places, up to the half turn that changes nothing") {
+  const auto model = models::find_model("falling_plate");
+  const FollowOptions options = plate_options({.place = 5e-4, .angle = 0.0});
+  for (int fall = 0; fall < 6; ++fall) {
+    Stream random(5, static_cast<std::uint64_t>(fall));
+    const double theta = std::numbers::pi * (random.uniform() - 0.5);
+    const Eigen::MatrixXd truth = plate_fall({{"vx(0)", 0.3}, {"w(0)", 5.0 * random.normal()}, {"theta(0)", theta}}, 1.2, 60);
+    Follower follower(model, options);
+    int most = 0;
+    for (int k = 0; k < 60; ++k) {
+      const FollowedFrame frame =
+          follower.add(kFrame * k, seen_of(follower, model->info(), truth.row(k), options, random));
+      most = std::max(most, frame.hypotheses);
+    }
+    CAPTURE(fall, theta);
+    CHECK(most > 1);
+    const FollowedState state = follower.state();
+    const double error = std::remainder(state.states[3] - truth(59, 3), std::numbers::pi);
+    CHECK(std::abs(error) < 4.0 * std::sqrt(state.covariance(3, 3)));
+    CHECK(std::sqrt(state.covariance(3, 3)) < 0.3);
+  }
+}
+
+TEST_CASE("a coefficient that drifts is followed, within its errors") {
+  const auto model = models::find_model("falling_plate");
+  FollowOptions options = plate_options({.place = 2e-4, .angle = 5e-3});
+  options.coefficients[0].drift = 0.5;
+  Eigen::MatrixXd first = plate_fall({{"w(0)", 1.0}, {"theta(0)", 0.3}}, 1.2, 60);
+  std::map<std::string, double> next;
+  for (Eigen::Index i = 0; i < 6; ++i)
+    next[model->info().states[static_cast<std::size_t>(i)].name + "(0)"] = first(59, i);
+  const Eigen::MatrixXd second = plate_fall(next, 2.0, 80);  // the lift has jumped
+  Follower follower(model, options);
+  Stream random(11, 0);
+  for (int k = 0; k < 60; ++k)
+    follower.add(kFrame * k, seen_of(follower, model->info(), first.row(k), options, random));
+  const double before = follower.state().coefficients[0];
+  for (int k = 1; k < 80; ++k)
+    follower.add(kFrame * (59 + k), seen_of(follower, model->info(), second.row(k), options, random));
+  const FollowedState state = follower.state();
+  CHECK(before == Approx(1.2).epsilon(0.15));
+  CHECK(state.coefficients[0] == Approx(2.0).epsilon(0.1));
+  CHECK(std::abs(std::log(state.coefficients[0] / 2.0)) < 3.0 * std::sqrt(state.covariance(6, 6)));
+}
+
+TEST_CASE("an attitude stays a unit quaternion and is found from places alone, or from itself") {
+  // A disc of 5 cm, seen from one of its flutters.
+  const auto model = models::find_model("immersed_body");
+  const std::map<std::string, double> disc = {{"a", 0.05},   {"b", 0.05},   {"c", 1e-3},  {"density", 100.0},
+                                              {"fluid_density", 1.2}, {"C_D0", 0.1}, {"C_D90", 2.0}, {"C_T", 1.0},
+                                              {"C_R", 1.0},  {"C_w", 3.0}};
+  std::map<std::string, double> values = disc;
+  const double half = 0.35;
+  values.insert({{"qw(0)", std::cos(half)}, {"qx(0)", std::sin(half) * 0.8}, {"qy(0)", std::sin(half) * 0.6},
+                 {"wx(0)", 1.0}, {"wy(0)", -0.5}});
+  std::vector<double> times;
+  for (int k = 0; k < 60; ++k) times.push_back(kFrame * k);
+  const Eigen::MatrixXd truth =
+      models::integrate(models::ParametricModel(model, values, {}), {}, times).states;
+  const auto index = [&](const std::string& name) {
+    const auto& states = model->info().states;
+    return std::ranges::find(states, name, &models::StateInfo::name) - states.begin();
+  };
+  for (const bool is_seen : {false, true}) {
+    FollowOptions options;
+    options.fixed = disc;
+    options.fixed["wz(0)"] = 0.0;
+    options.round_body = true;
+    for (const char* place : {"x", "y", "z"}) options.noise[place] = 2e-4;
+    for (const char* velocity : {"ux", "uy", "uz"}) options.start[velocity] = {0.0, 2.0};
+    for (const char* rate : {"wx", "wy"}) options.start[rate] = {0.0, 5.0};
+    if (is_seen) options.attitude_noise = 0.02;
+    options.start_frames = 12;
+    Follower follower(model, options);
+    Stream random(2, 0);
+    for (Eigen::Index k = 0; k < truth.rows(); ++k) {
+      std::vector<double> seen;
+      for (const char* place : {"x", "y", "z"}) seen.push_back(truth(k, index(place)) + 2e-4 * random.normal());
+      if (is_seen) {
+        for (const char* part : {"qw", "qx", "qy", "qz"}) seen.push_back(-truth(k, index(part)));  // the same attitude
+      }
+      follower.add(times[static_cast<std::size_t>(k)], seen);
+    }
+    const FollowedState state = follower.state();
+    const Eigen::Vector4d q = state.states.segment<4>(index("qw")), exact = truth.row(59).segment<4>(index("qw"));
+    CHECK(std::abs(q.norm() - 1.0) < 1e-12);
+    const auto normal = [](const Eigen::Vector4d& p) {
+      return Eigen::Vector3d(2 * (p[1] * p[3] + p[0] * p[2]), 2 * (p[2] * p[3] - p[0] * p[1]),
+                             1 - 2 * (p[1] * p[1] + p[2] * p[2]));
+    };
+    // Over, or not: a disc.
+    CHECK(std::abs(normal(q).dot(normal(exact.normalized()))) > std::cos(0.1));
+  }
+}
+
+TEST_CASE("a follower passes over frames that are blind and far off, and says so") {
+  const auto model = models::find_model("falling_plate");
+  const FollowOptions options = plate_options({});
+  const Eigen::MatrixXd truth = plate_fall({{"w(0)", 3.0}, {"theta(0)", 0.7}}, 1.2, 60);
+  Stream random(3, 0);
+  Follower follower(model, options);
+  for (int k = 0; k < 60; ++k) {
+    std::vector<double> values = seen_of(follower, model->info(), truth.row(k), options, random);
+    if (k == 30 || k == 41) values[1] += 0.3;
+    if (k == 35) values.assign(3, kNotSeen);
+    const FollowStatus status = follower.add(kFrame * k, values).status;
+    CAPTURE(k);
+    CHECK(status == (k < 7                  ? FollowStatus::starting
+                     : k == 30 || k == 41 ? FollowStatus::outlier
+                     : k == 35            ? FollowStatus::blind
+                                          : FollowStatus::following));
+  }
+  CHECK(std::abs(follower.state().states[5] - truth(59, 5)) < 3e-3);
+
+  SECTION("a motion that is no longer there is lost, and found again where it is") {
+    int lost = 0;
+    for (int k = 60; k < 90; ++k) {
+      std::vector<double> values = seen_of(follower, model->info(), truth.row(k - 60), options, random);
+      if (follower.add(kFrame * k, values).status == FollowStatus::lost) ++lost;
+    }
+    CHECK(lost == 1);
+    REQUIRE(follower.is_following());
+    CHECK(std::abs(follower.state().states[5] - truth(29, 5)) < 3e-3);
+  }
+}
+
+TEST_CASE("a follower refuses frames that cannot be, and stays where it was") {
+  Follower follower(falling_point(), point_options());
+  follower.add(0.0, std::array{1.0});
+  follower.add(0.1, std::array{1.0});
+  const FollowedState before = follower.state();
+  const double infinity = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH(follower.add(0.1, std::array{1.0}), Catch::Contains("later one was expected"));
+  CHECK_THROWS_WITH(follower.add(0.05, std::array{1.0}), Catch::Contains("follows one at 0.1 s"));
+  CHECK_THROWS_AS(follower.add(kNotSeen, std::array{1.0}), ArgumentError);
+  CHECK_THROWS_WITH(follower.add(0.2, std::array{infinity}), Catch::Contains("infinite"));
+  CHECK_THROWS_WITH(follower.add(0.2, std::array{1.0, 2.0}), Catch::Contains("1 were expected"));
+  CHECK(follower.state().states == before.states);
+  CHECK_THROWS_WITH(follower.forecast(std::array{0.05}), Catch::Contains("not earlier"));
+  FollowOptions options = point_options();
+  options.noise = {{"y", 1.0}};
+  CHECK_THROWS_WITH(Follower(falling_point(), options), Catch::Contains("no output \"y\""));
+  options = point_options();
+  options.noise["x"] = 0.0;
+  CHECK_THROWS_WITH(Follower(falling_point(), options), Catch::Contains("noise of x"));
+}
+
+TEST_CASE("a follower does not allocate from frame to frame") {
+  const auto model = models::find_model("falling_plate");
+  const FollowOptions options = plate_options({});
+  const Eigen::MatrixXd truth = plate_fall({{"w(0)", 3.0}, {"theta(0)", 0.7}}, 1.2, 40);
+  Stream random(3, 0);
+  Follower follower(model, options);
+  for (int k = 0; k < 40; ++k) {
+    const std::vector<double> values = seen_of(follower, model->info(), truth.row(k), options, random);
+    const long calls = allocation_counter::during([&] { follower.add(kFrame * k, values); });
+    if (k > 12) CHECK(calls == 0);
+  }
+}
