@@ -15,6 +15,7 @@ function(samara_page_parts target)
     patterns_marks ${web}/patterns/marks.js
     patterns_map ${web}/patterns/map.js
     patterns_page ${web}/patterns/patterns_page.js
+    motion_page ${web}/motion/motion_page.js
     explorer_markup ${web}/explorer/explorer.html
     explorer_style ${web}/explorer/explorer.css)
   foreach(name evaluate body glb state curves controls view page)

@@ -280,6 +280,7 @@ Json capture_json(const motion::LabelledMotion& capture) {
     windows.push_back({{"from", window.from},
                        {"to", window.to},
                        {"pattern", to_string(window.label.pattern)},
+                       {"windows", window.windows},
                        {"margin", number_or_null(window.label.margin)},
                        {"why", window.label.why}});
   }

@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -9,8 +10,10 @@
 #include "samara/identification/series/series_codebook.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
+#include "samara/io/file_lock.h"
 #include "samara/models/trajectories/integrator_trajectories.h"
 #include "samara/motion/ghost/ghost_force.h"
+#include "samara/motion/pages/motion_page.h"
 #include "samara/motion/planning/motion_picture.h"
 #include "samara/motion/planning/planner.h"
 #include "terminal/interrupts.h"
@@ -27,7 +30,8 @@ void check_outputs(const SynthesizeArguments& arguments) {
     throw ArgumentError(
         fmt::format("-o is \"{}\", expected a name that ends in .glb, .usda or .csv", arguments.output));
   }
-  for (const std::string& path : {arguments.output, arguments.course, arguments.csv, arguments.picture}) {
+  for (const std::string& path :
+       {arguments.output, arguments.course, arguments.csv, arguments.picture, arguments.report}) {
     if (!path.empty()) check_output(path, {arguments.plan});
   }
 }
@@ -68,27 +72,24 @@ void write_motion(const SynthesizeArguments& arguments, const motion::MotionPlan
                    .family = family.get()});
 }
 
-Json json_of(const motion::MotionPlan& plan, const motion::MotionResult& motion,
-             const motion::GhostForce& ghost) {
-  Json object = {
-      {"schema", "samara-motion/1"},
-      {"status", to_string(motion.status)},
-      {"message", motion.message},
-      {"end", motion.end},
-      {"knots", motion.course->knots().size()},
-      {"closings", motion.closings},
-      {"seconds", motion.seconds},
-      {"semi_length", plan.semi_length()},
-      {"ghost",
-       {{"force_max", ghost.declared.force_sizes.max}, {"torque_max", ghost.declared.torque_sizes.max}}}};
-  if (plan.sketch) object["deviation"] = motion.deviation;
-  if (plan.landing) object["landing_miss"] = motion.landing_miss;
-  object["history"] = Json::array();
-  for (const motion::PlanningStep& step : motion.history) {
-    object["history"].push_back(
-        {{"stage", step.stage}, {"cost", step.cost}, {"depth", step.depth}, {"pieces", step.pieces}});
-  }
-  return object;
+/// Where an interrupted search is kept. @throws ArgumentError for --resume without any
+motion::PlanningOptions planning_options(const SynthesizeArguments& arguments) {
+  motion::PlanningOptions options{.progress = progress_line(), .checkpoint = arguments.output + ".part"};
+  std::error_code ignored;
+  const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
+  if (arguments.resume && !is_there)
+    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
+  if (arguments.fresh) std::filesystem::remove(options.checkpoint, ignored);
+  return options;
+}
+
+int end_interrupted_search(const motion::PlanningOptions& options, const std::string& message) {
+  std::error_code ignored;
+  warn(std::filesystem::exists(options.checkpoint, ignored)
+           ? fmt::format("{}; {} is kept: the same line goes on from there", message,
+                         options.checkpoint.string())
+           : message);
+  return kInterrupted;
 }
 
 }  // namespace
@@ -98,12 +99,12 @@ int run(const SynthesizeArguments& arguments) {
   check_outputs(arguments);
   const motion::MotionPlan plan = motion::read_motion_plan(arguments.plan);
   warn_of_parameters(*plan.model, plan.fixed);
-  const motion::MotionResult motion = plan_motion(plan, progress_line());
+  const io::FileLock lock(arguments.output + ".lock", fmt::format("synthesizes {}", arguments.output));
+  const motion::PlanningOptions options = planning_options(arguments);
+  const motion::MotionResult motion = plan_motion(plan, options);
   clear_progress();
-  if (motion.status == motion::MotionStatus::cancelled) {
-    warn(motion.message);
-    return kInterrupted;
-  }
+  if (motion.status == motion::MotionStatus::cancelled)
+    return end_interrupted_search(options, motion.message);
   if (!motion.is_usable()) throw NoResultError(motion.message);
   const codebooks::Codebook book =
       course_codebook(*motion.course, plan.model->info(), others(plan), motion.end);
@@ -117,8 +118,10 @@ int run(const SynthesizeArguments& arguments) {
       ghost_force(declared, motion::path_of(plan.model->info(), motion.times, motion.states));
   if (!arguments.picture.empty())
     io::write_text_atomically(arguments.picture, motion::motion_picture(plan, motion, ghost));
+  if (!arguments.report.empty())
+    io::write_text_atomically(arguments.report, motion::motion_html(plan, motion, ghost));
   if (arguments.json) {
-    print(json_of(plan, motion, ghost));
+    print(motion::motion_json(plan, motion, ghost));
   } else {
     print(fmt::format(
         "{}: {}\non the way {:.4g}, {} knots; invisible force at most {:.2g} net weights, torque {:.2g}\n",

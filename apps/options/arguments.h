@@ -327,6 +327,9 @@ struct SynthesizeArguments {
   std::string course;   ///< its coefficients, a file; empty: none
   std::string csv;      ///< its states; empty: none
   std::string picture;  ///< of path and coefficients; empty: none
+  std::string report;   ///< page for the browser; empty: none
+  bool resume = false;  ///< only go on from what an interrupted search has left
+  bool fresh = false;   ///< begin anew
   ShownWords body;
   bool json = false;
 };

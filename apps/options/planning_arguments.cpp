@@ -30,9 +30,10 @@ void add_ghost(CLI::App& app, Arguments& arguments) {
 
 void add_synthesize(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<SynthesizeArguments>();
-  CLI::App* command = app.add_subcommand(
-      "synthesize",
-      "a fall that follows a sketch or comes down at a place, by coefficients that change on the way");
+  CLI::App* command = app.add_subcommand("synthesize",
+                                         "a fall that follows a sketch, comes down at a place, or swings and "
+                                         "turns in a given order, by coefficients "
+                                         "that change on the way");
   command->add_option("PLAN", values->plan, "what the fall is to do, TOML")->required();
   command->add_option("-o,--output", values->output, "motion to write: .glb, .usda, or .csv of states")
       ->required();
@@ -41,6 +42,14 @@ void add_synthesize(CLI::App& app, Arguments& arguments) {
   command->add_option("--csv", values->csv, "its states to write");
   command->add_option("--picture", values->picture,
                       "path over the sketch, coefficients, invisible force: SVG to write");
+  command->add_option(
+      "--report", values->report,
+      "page for the browser to write: path, coefficients, kinds asked and got, invisible force");
+  CLI::Option* resume = command->add_flag(
+      "--resume", values->resume,
+      "only go on where a search of the same plan and output stopped, which is done anyway if there is one");
+  command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier search has left")
+      ->excludes(resume);
   add_shown_words(*command, values->body);
   command->add_flag("--json", values->json, "print one JSON object");
   command->callback([&arguments, values] { arguments.synthesize = *values; });

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "samara/base/errors.h"
+#include "samara/motion/planning/fall_cost.h"
 
 namespace samara::motion {
 
@@ -31,11 +32,11 @@ std::vector<double> natural_of(const MotionPlan& plan) {
   return natural;
 }
 
-/// Events are those of a motion at the velocity scale.
+/// Events are those of the database, or those of a motion at the velocity scale.
 EventFinder finder_of(const MotionPlan& plan) {
   const double speed = plan.scales().velocity;
   return {MovingStates(plan.model->info(), BodySymmetry::none),
-          event_options(speed * speed, 2.0 * plan.semi_length())};
+          plan.database ? plan.database->events : event_options(speed * speed, 2.0 * plan.semi_length())};
 }
 
 }  // namespace
@@ -60,6 +61,20 @@ double MotionPlan::steps() const {
   return std::max(time, kLongestPiece * semi_length() / speed) / search.step;
 }
 
+bool MotionPlan::sinks() const {
+  const models::ParametricModel natural(model, fixed, {});
+  std::vector<double> state(static_cast<std::size_t>(natural.state_count())), rate(state.size());
+  natural.initial({}, state);
+  const MovingStates moving(model->info(), BodySymmetry::none);
+  for (const std::size_t i : moving.layout().velocities()) state[i] = 0.0;
+  for (const std::size_t i : moving.layout().rates()) state[i] = 0.0;
+  auto workspace = natural.make_workspace();
+  natural.rhs(0.0, state, {}, rate, workspace);
+  // At rest the rates of the velocities along body axes are the acceleration: in the place of these it is turned alike.
+  for (const std::size_t i : moving.layout().velocities()) state[i] = rate[i];
+  return moving.at(state).velocity.z() < 0.0;
+}
+
 PlannedFall::PlannedFall(const MotionPlan& plan)
     : plan_(plan),
       names_(names_of(plan)),
@@ -68,7 +83,10 @@ PlannedFall::PlannedFall(const MotionPlan& plan)
       states_(plan.model->info()),
       semi_length_(plan.semi_length()),
       longest_piece_(kLongestPiece * semi_length_ / plan.scales().velocity),
+      turbulence_factor_(motion::turbulence_factor(plan)),
       finder_(finder_of(plan)) {
+  release_height_ = release().height;
+  if (plan.database) choices_.emplace(plan);
   if (!plan.landing || plan.sketch) return;
   const Eigen::Vector3d start = states_.position(release().state);
   if (!(start.z() > plan.ground)) return;
@@ -93,6 +111,12 @@ bool PlannedFall::is_over(double t, double height) const {
   return height <= plan_.ground || (plan_.duration && t >= *plan_.duration);
 }
 
+const AskedSegment* PlannedFall::asked(const FallPoint& point) const {
+  const auto number = static_cast<std::size_t>(point.events) - 1;
+  if (!plan_.sequence || point.events < 1 || number >= plan_.sequence->segments.size()) return nullptr;
+  return &plan_.sequence->segments[number];
+}
+
 Eigen::Vector3d PlannedFall::deviation(double t, const Eigen::Vector3d& position) const {
   if (!plan_.sketch) return Eigen::Vector3d::Zero();
   return position - plan_.sketch->target(t, position);
@@ -102,6 +126,22 @@ Eigen::Vector3d PlannedFall::off_course(const FallPoint& point) const {
   if (!way_) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d place = states_.position(point.state);
   return place - way_->target(point.t, place);
+}
+
+Roaming::Roaming(const PlannedFall& fall)
+    : fall_(fall),
+      rate_(static_cast<std::size_t>(fall.model().state_count())),
+      natural_rate_(rate_.size()),
+      workspace_(fall.model().make_workspace()) {}
+
+void Roaming::at(double t, std::span<const double> state, std::span<const double> coefficients,
+                 Eigen::VectorXd& difference) {
+  fall_.model().rhs(t, state, coefficients, rate_, workspace_);
+  fall_.model().rhs(t, state, fall_.natural(), natural_rate_, workspace_);
+  const auto places = fall_.finder().layout().velocities();
+  difference.resize(static_cast<Eigen::Index>(places.size()));
+  for (std::size_t k = 0; k < places.size(); ++k)
+    difference[static_cast<Eigen::Index>(k)] = rate_[places[k]] - natural_rate_[places[k]];
 }
 
 struct FallLanes::Rider {
@@ -123,9 +163,7 @@ FallLanes::FallLanes(const PlannedFall& fall)
     : fall_(fall),
       stepper_(fall.model(), fall.names(), kLanes),
       state_(static_cast<std::size_t>(fall.model().state_count())),
-      rate_(state_.size()),
-      natural_rate_(state_.size()),
-      workspace_(fall.model().make_workspace()) {
+      roaming_(fall) {
   for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
     stepper_.load(lane, fall.natural());
     stepper_.set_running(lane, false);
@@ -157,6 +195,7 @@ void FallLanes::put_point(const Rider& rider, Eigen::Index lane, FallPoint& poin
   point.height = fall_.states().position(state_).z();
   point.square_time = rider.square_time;
   point.deviation = rider.deviation;
+  point.acceleration_square = rider.looks > 0 ? rider.roaming / rider.looks : 0.0;
 }
 
 bool FallLanes::look(Rider& rider, Eigen::Index lane) {
@@ -167,9 +206,9 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
   rider.deviation = fall_.deviation(t, place);
   rider.square_time +=
       0.5 * fall_.plan().search.step * (before.squaredNorm() + rider.deviation.squaredNorm());
-  constexpr int kBetweenLooks = 16;
   if (fall_.plan().turbulence > 0.0 && rider.steps++ % kBetweenLooks == 0) {
-    rider.roaming += roaming(t, rider.continuation->target);
+    roaming_.at(t, state_, rider.continuation->target, difference_);
+    rider.roaming += difference_.squaredNorm();
     ++rider.looks;
   }
   if (!stepper_.finite(lane)) return end_piece(rider, lane, FallEnd::not_finite);
@@ -179,11 +218,15 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
   if (fall_.is_over(t, place.z())) return end_piece(rider, lane, FallEnd::ground);
   if (is_event) {
     end_piece(rider, lane, FallEnd::decision);
+    rider.piece.has_event = true;
+    if (rider.finder.event().is_steady) return true;
     rider.piece.kind = rider.finder.event().kind;
-    if (!rider.finder.event().is_steady) rider.piece.to = rider.slowest;
+    rider.piece.to = rider.slowest;
     return true;
   }
-  if (t - rider.continuation->from->t < fall_.longest_piece()) return false;
+  // Where kinds are asked for a segment is not cut but by an event.
+  const double longest = (fall_.plan().sequence ? 4.0 : 1.0) * fall_.longest_piece();
+  if (t - rider.continuation->from->t < longest) return false;
   return end_piece(rider, lane, FallEnd::decision);
 }
 
@@ -191,21 +234,9 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
 bool FallLanes::end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const {
   put_point(rider, lane, rider.piece.to);
   rider.piece.end = how;
+  rider.piece.has_event = false;
   rider.piece.kind.reset();
-  rider.piece.acceleration_square = 0.0;
-  if (rider.looks > 0) rider.piece.acceleration_square = rider.roaming / rider.looks;
   return true;
-}
-
-/// Of what the coefficients do beyond the natural ones in the state that was read last.
-double FallLanes::roaming(double t, const std::vector<double>& coefficients) {
-  const auto& model = fall_.model();
-  model.rhs(t, state_, coefficients, rate_, workspace_);
-  model.rhs(t, state_, fall_.natural(), natural_rate_, workspace_);
-  for (std::size_t i = 0; i < rate_.size(); ++i) rate_[i] -= natural_rate_[i];
-  double sum = 0.0;
-  for (const std::size_t i : fall_.finder().layout().velocities()) sum += rate_[i] * rate_[i];
-  return sum;
 }
 
 void FallLanes::run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,

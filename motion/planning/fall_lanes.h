@@ -8,10 +8,14 @@
 #include "samara/models/batch/stepper.h"
 #include "samara/motion/events/event_finder.h"
 #include "samara/motion/planning/motion_plan.h"
+#include "samara/motion/planning/segment_choices.h"
 #include "samara/motion/records/motion_record.h"
 
 /// Pieces of falls, from one decision to the next, many side by side.
 namespace samara::motion {
+
+/// Steps between looks at accelerations, where turbulence is what they cost.
+inline constexpr int kBetweenLooks = 16;
 
 /// How far a fall has come, and what it has cost.
 struct FallPoint {
@@ -22,6 +26,12 @@ struct FallPoint {
   double height = 0.0;               ///< of the place
   double square_time = 0.0;          ///< integral of the squared deviation over time [m^2 s]
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();  ///< here [m]
+  double acceleration_square = 0.0;  ///< mean since the last decision of |a(c) - a(natural)|^2 [m^2/s^4]
+
+  // What fall_cost.h adds up.
+  double changes = 0.0, turbulence = 0.0, kinds = 0.0;
+  int events = 0;         ///< that were passed; the segment that comes is number events - 1
+  std::vector<int> past;  ///< kinds of the last segments, the latest last
 };
 
 enum class FallEnd {
@@ -33,8 +43,8 @@ enum class FallEnd {
 struct FallPiece {
   FallPoint to;  ///< at an event, the step beside it
   FallEnd end = FallEnd::not_finite;
-  std::optional<EventKind> kind = {};  ///< of the segment, where an event ended it
-  double acceleration_square = 0.0;    ///< mean over the piece of |a(c) - a(natural)|^2 [m^2/s^4]
+  bool has_event = false;              ///< whether a segment has ended
+  std::optional<EventKind> kind = {};  ///< of that segment; none: it is steady
 };
 
 /// What the search needs of a plan, once.
@@ -53,6 +63,12 @@ class PlannedFall {
   const EventFinder& finder() const { return finder_; }
   /// A decision is due after so long without an event.
   double longest_piece() const { return longest_piece_; }
+  double release_height() const { return release_height_; }
+  double turbulence_factor() const { return turbulence_factor_; }  ///< see fall_cost.h
+  /// Of the plan's database, if it has one.
+  const std::optional<SegmentChoices>& choices() const { return choices_; }
+  /// What the next segment is asked to be; none where nothing is.
+  const AskedSegment* asked(const FallPoint& point) const;
 
   FallPoint release() const;
   bool is_over(double t, double height) const;
@@ -68,8 +84,23 @@ class PlannedFall {
   std::vector<double> natural_;
   models::ParametricModel model_;
   MotionStates states_;
-  double semi_length_ = 1.0, longest_piece_ = 0.0;
+  double semi_length_ = 1.0, longest_piece_ = 0.0, release_height_ = 0.0, turbulence_factor_ = 0.0;
   EventFinder finder_;
+  std::optional<SegmentChoices> choices_;
+};
+
+/// Of what the coefficients do beyond the natural ones: the difference of accelerations, in body axes.
+class Roaming {
+ public:
+  explicit Roaming(const PlannedFall& fall);
+  /// @param difference one number per velocity
+  void at(double t, std::span<const double> state, std::span<const double> coefficients,
+          Eigen::VectorXd& difference);
+
+ private:
+  const PlannedFall& fall_;
+  std::vector<double> rate_, natural_rate_;
+  models::ParametricModel::Workspace workspace_;
 };
 
 /// How a fall goes on.
@@ -94,12 +125,12 @@ class FallLanes {
   bool look(Rider& rider, Eigen::Index lane);
   bool end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const;
   void put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const;
-  double roaming(double t, const std::vector<double>& coefficients);
 
   const PlannedFall& fall_;
   models::Stepper stepper_;
-  std::vector<double> state_, rate_, natural_rate_;
-  models::ParametricModel::Workspace workspace_;
+  std::vector<double> state_;
+  Roaming roaming_;
+  Eigen::VectorXd difference_;
 };
 
 }  // namespace samara::motion

@@ -8,10 +8,13 @@
 #include "samara/base/errors.h"
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
+#include "samara/identification/series/series_codebook.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
-#include "samara/motion/records/motion_record.h"
+#include "samara/motion/database/database_file.h"
+#include "samara/motion/planning/segment_choices.h"
 
 namespace samara::motion {
 
@@ -27,18 +30,20 @@ class PlanReader {
   }
 
   MotionPlan read() {
-    root_.expect_keys(
-        {"model", "body", "release", "path", "landing", "duration", "box", "turbulence", "search"});
+    root_.expect_keys({"model", "database", "body", "release", "path", "landing", "sequence", "duration",
+                       "box", "turbulence", "search"});
     read_model();
     read_body();
     read_release();
     read_box();
     read_path();
     read_landing();
+    read_database();
     read_rest();
-    if (!plan_.sketch && !plan_.landing) {
-      throw root_.error(
-          "path", "is missing, and [landing] too: expected one of them, to say where the body is to go");
+    if (!plan_.sketch && !plan_.landing && !plan_.sequence) {
+      throw root_.error("path",
+                        "is missing, and [landing] and [sequence] too: expected one of them, to say "
+                        "what the body is to do");
     }
     return plan_;
   }
@@ -98,6 +103,8 @@ class PlanReader {
     const double height = positive(release, "height", release.quantity("height", length_));
     set_initial(release, "height", planar_ ? "y(0)" : "z(0)", height);
     const auto tilt = release.optional_quantity("tilt", "1");
+    if (!tilt && release.has("axis"))
+      throw release.error("axis", "is that of a tilt, which is missing: expected both, or none");
     const double axis = release.optional_quantity("axis", "1").value_or(0.0);
     if (!tilt) return;
     if (planar_) return set_initial(release, "tilt", "theta(0)", in_size(release, "tilt", *tilt));
@@ -108,12 +115,36 @@ class PlanReader {
     set_initial(release, "tilt", "qz(0)", 0.0);
   }
 
+  /// The least and the most that a coefficient is in the series of a fit, at its instants: between them it is straight.
+  std::vector<double> range_of_series(const TomlTable& box, const std::string& key) const {
+    const codebooks::Codebook book = codebooks::load(folder() / box.string(key));
+    try {
+      const auto course = identification::codebook_course(book, plan_.model->info());
+      const std::vector<std::string>& names = course->followed();
+      const auto found = std::ranges::find(names, key);
+      if (found == names.end())
+        throw ArgumentError(fmt::format("the series has {}, expected {}", join(names), key));
+      std::vector<double> range, values(names.size());
+      for (const codebooks::Piece& piece : book.pieces()) {
+        for (const double t : piece.outline().axes.front().nodes()) {
+          course->values(t, {}, values);
+          range.push_back(values[static_cast<std::size_t>(found - names.begin())]);
+        }
+      }
+      const auto [least, most] = std::ranges::minmax(range);
+      return {least, most};
+    } catch (const ArgumentError& error) {
+      throw box.error(key, error.what());
+    }
+  }
+
   void read_box() {
     const TomlTable box = root_.table("box");
     for (const std::string& key : box.keys()) {
       const std::string& unit = unit_of(box, key);
       if (key.ends_with("(0)")) throw box.error(key, "is an initial value, expected a coefficient");
-      const std::vector<double> range = box.quantities(key, unit);
+      const std::vector<double> range =
+          box.is_string(key) ? range_of_series(box, key) : box.quantities(key, unit);
       if (range.size() != 2 || !(range[0] < range[1]))
         throw box.error(key, "expected two values, [from, to], the first less than the second");
       SteeredCoefficient coefficient{.name = key, .lower = range[0], .upper = range[1]};
@@ -146,6 +177,10 @@ class PlanReader {
     } catch (const ArgumentError& error) {
       throw InputError(plan_.source, box.line(plan_.box.front().name), error.what());
     }
+    if (!plan_.sinks())
+      throw root_.error("body",
+                        "is lighter than what it is in, or as light: at rest it does not begin to sink, "
+                        "and never comes down");
   }
 
   void read_path() {
@@ -169,7 +204,27 @@ class PlanReader {
       throw path->error("file", fmt::format("ends at height {:.6g}, not below the release at {:.6g}",
                                             plan_.ground, height));
     }
-    if (plan_.sketch->is_timed()) plan_.duration = plan_.sketch->end_time();
+    if (!plan_.sketch->is_timed()) return;
+    plan_.duration = plan_.sketch->end_time();
+    if (!(*plan_.duration > 0.0))
+      throw path->error("file",
+                        fmt::format("ends at the time {}, expected one after 0, at which the body is let "
+                                    "go",
+                                    *plan_.duration));
+  }
+
+  void read_database() {
+    const auto file = root_.optional_string("database");
+    if (file) {
+      plan_.database = std::make_shared<const MotionDatabase>(load_database(folder() / *file));
+      try {
+        const SegmentChoices check(plan_);
+      } catch (const ArgumentError& error) {
+        throw root_.error("database", error.what());
+      }
+    }
+    if (const auto sequence = root_.optional_table("sequence"))
+      plan_.sequence = read_sequence(*sequence, folder(), plan_.database.get());
   }
 
   void read_landing() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "samara/models/interface/parametric_model.h"
+#include "samara/motion/planning/motion_sequence.h"
 #include "samara/motion/planning/sketch.h"
 
 /// What a fall is asked to be: MOTION.toml, as a value.
@@ -46,6 +47,9 @@ struct MotionPlan {
   std::optional<double> deviation;
   /// Of the surrounding air, u'/U: how far it makes coefficients roam is what their changes cost. 0: no such cost.
   double turbulence = 0.0;
+  /// Falls of this body: their coefficients are tried where they did what is asked, in states like its own.
+  std::shared_ptr<const MotionDatabase> database;
+  std::optional<MotionSequence> sequence;
   MotionSearch search;
 
   std::string source;  ///< file it came from, for messages
@@ -54,16 +58,24 @@ struct MotionPlan {
   /// Semi-length of the body, the unit of deviations in costs; the model's length where it does not say [m].
   double semi_length() const;
   models::Scales scales() const;
+  /// Whether the body, at rest as it is let go, begins to sink.
+  bool sinks() const;
   /// About how many steps the fall takes: to the ground at the model's velocity scale, or to its duration.
   double steps() const;
   /// Plans of more are refused: they would be searched for hours.
   static constexpr double kMostSteps = 1e6;
 };
 
+/// What a fall costs, in semi-lengths squared: the parts of one sum, see fall_cost.h.
+struct FallCost {
+  double path = 0.0, changes = 0.0, turbulence = 0.0, kinds = 0.0, landing = 0.0;
+  double total() const { return path + changes + turbulence + kinds + landing; }
+};
+
 /// One round of the search, or one sweep of what comes after it.
 struct PlanningStep {
   std::string stage;   ///< "beam" or "windows"
-  double cost = 0.0;   ///< of the best fall so far, see beam_search.cpp
+  double cost = 0.0;   ///< of the best fall so far
   double depth = 0.0;  ///< m, how far the best one has fallen
   long pieces = 0;     ///< falls from one decision to the next that were run
 };
@@ -71,6 +83,7 @@ struct PlanningStep {
 /// MOTION.toml:
 ///
 ///     model = "falling_plate"
+///     database = "motions.h5"       # of samara database, beside this file: falls to take coefficients from
 ///     duration = "2 s"              # after which the fall ends, if it has not landed
 ///     [body]                        # parameters and initial values: SI, or with units
 ///     semi_chord = "7 mm"
@@ -81,14 +94,17 @@ struct PlanningStep {
 ///     file = "sketch.csv"           # beside this file
 ///     deviation = "5 mm"            # that is good enough
 ///     [landing]                     # beside or instead of [path]: x = "10 cm" (and y, in space), deviation
+///     [sequence]                    # kinds or patterns, see motion_sequence.h, beside these or alone
 ///     [box]                         # what may change, and how far
 ///     C_T = [0.8, 1.4]
+///     C_R = "series.h5"             # as far as it goes in the series of samara fit --series
 ///     [turbulence]
 ///     intensity = 0.1
 ///     [search]                      # beam, children, sweeps, step, ramp, seed
 ///
 /// @throws InputError, with file and line, for unknown keys, names or units, values outside their meaning, an empty or
-/// reversed range, a sketch that rises or begins below the release, or a plan that asks for nothing.
+/// reversed range, a sketch that rises or begins below the release, a body that does not sink, a database of another
+/// body, or a plan that asks for nothing.
 MotionPlan read_motion_plan(const std::filesystem::path& path);
 /// The same from text; `name` stands for the file in messages, files it names are beside it.
 MotionPlan parse_motion_plan(const std::string& text, const std::string& name);

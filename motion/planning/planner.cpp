@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -11,7 +12,9 @@
 #include "samara/base/require.h"
 #include "samara/identification/series/series_codebook.h"
 #include "samara/models/integrators/integrate.h"
-#include "samara/motion/planning/window_search.h"
+#include "samara/motion/planning/fall_cost.h"
+#include "samara/motion/planning/motion_judgement.h"
+#include "samara/motion/planning/planning_state.h"
 
 namespace samara::motion {
 
@@ -34,6 +37,9 @@ void check(const MotionPlan& plan) {
     throw ArgumentError(
         fmt::format("a step of {} makes about {:.3g} steps of the fall, expected at most {:.0e}",
                     plan.search.step, plan.steps(), MotionPlan::kMostSteps));
+  if (plan.duration) require_positive(*plan.duration, "duration");
+  if (!plan.sinks())
+    throw ArgumentError("the body does not begin to sink when it is let go at rest, expected one that falls");
   for (const SteeredCoefficient& c : plan.box) {
     if (c.lower < c.upper && c.natural >= c.lower && c.natural <= c.upper) continue;
     throw ArgumentError(
@@ -66,121 +72,149 @@ std::optional<FallPoint> parting(const PlannedFall& fall, const RealisedFall& re
   return std::nullopt;
 }
 
+/// Numbers that the course has cost by its steps, in the place of the motion that CVODES gives.
+FallCost cost_of_motion(const PlannedFall& fall, const RealisedFall& real, FallPoint end) {
+  if (real.times.size() == 0) return {.path = std::numeric_limits<double>::infinity()};
+  const Eigen::Index last = real.times.size() - 1;
+  end.t = real.times[last];
+  for (std::size_t i = 0; i < end.state.size(); ++i)
+    end.state[i] = real.states(last, static_cast<Eigen::Index>(i));
+  end.height = fall.states().position(end.state).z();
+  end.square_time = real.square_time;
+  end.kinds = 0.0;
+  end.events = 0;
+  end.past.clear();
+  for (const Event& event : events_of_motion(fall, real).events)
+    add_event(fall, end, event.is_steady ? std::optional<EventKind>() : event.kind);
+  return cost_of(fall, end);
+}
+
 class Planner {
  public:
-  Planner(const MotionPlan& plan, const ProgressCallback& progress)
-      : plan_(plan), fall_(plan), progress_([this, &progress](const Progress& report) {
-          if (progress && !progress(report)) cancelled_ = true;
+  Planner(const MotionPlan& plan, const PlanningOptions& options)
+      : plan_(plan), fall_(plan), options_(options), progress_([this](const Progress& report) {
+          if (options_.progress && !options_.progress(report)) cancelled_ = true;
           return !cancelled_;
         }) {}
 
   MotionResult run() {
-    if (!search({}, fall_.release())) return cancelled_ ? cancelled() : result_;
-    for (int round = 0; round < kMostClosings; ++round) {
+    begin();
+    while (search()) {
       std::size_t kept = 0;
-      const auto from = parting(fall_, real_, knots_, *course_, kept);
-      if (!from) break;
-      const std::vector<CourseKnot> head(knots_.begin(), knots_.begin() + static_cast<std::ptrdiff_t>(kept));
-      ++result_.closings;
-      if (!search(head, *from)) break;
+      const auto from = parting(fall_, real_, state_.knots, *course_, kept);
+      if (!from || state_.closings == kMostClosings) break;
+      ++state_.closings;
+      state_.head.assign(state_.knots.begin(), state_.knots.begin() + static_cast<std::ptrdiff_t>(kept));
+      state_.start = *from;
+      state_.beam = BeamState::from(*from);
+      state_.refining.reset();
     }
     if (cancelled_) return cancelled();
-    finish();
+    if (!options_.checkpoint.empty()) {
+      std::error_code ignored;
+      std::filesystem::remove(options_.checkpoint, ignored);
+    }
+    result_.history = state_.history;
+    result_.closings = state_.closings;
+    if (course_) {
+      result_.course = course_;
+      judge_motion(fall_, real_, result_);
+    }
     return result_;
   }
 
  private:
-  MotionResult cancelled() const {
+  using Clock = std::chrono::steady_clock;
+
+  void begin() {
+    std::error_code ignored;
+    if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint, ignored)) {
+      state_ = load_state(plan_, options_.checkpoint);
+      if (!state_.knots.empty() || state_.longest > 0.0) realise_knots(state_.knots, state_.longest);
+      return;
+    }
+    state_.start = fall_.release();
+    state_.beam = BeamState::from(state_.start);
+  }
+
+  void keep(bool is_last) {
+    if (options_.checkpoint.empty()) return;
+    if (!is_last && Clock::now() - kept_ < std::chrono::seconds(10)) return;
+    save_state(state_, plan_, options_.checkpoint);
+    kept_ = Clock::now();
+  }
+
+  MotionResult cancelled() {
+    keep(true);
     MotionResult none;
     none.status = MotionStatus::cancelled;
     none.message = "cancelled before the search was over";
-    none.history = result_.history;
+    none.history = state_.history;
+    none.history.insert(none.history.end(), state_.beam.history.begin(), state_.beam.history.end());
     return none;
   }
 
-  /// The rest of a fall, from a state that was reached. @returns false if there is none
-  bool search(const std::vector<CourseKnot>& head, const FallPoint& start) {
-    BeamResult beam = search_beam(fall_, start, progress_);
-    result_.history.insert(result_.history.end(), beam.history.begin(), beam.history.end());
-    if (beam.cancelled || beam.lost) {
+  /// The search that is under way, to its end. @returns whether the fall is a better one
+  bool search() {
+    const BeamResult beam = search_beam(fall_, state_.beam, progress_, [this] { keep(false); });
+    if (beam.cancelled) return false;
+    if (!beam.lost.empty()) {
+      append(state_.beam.history);
       if (course_) return false;  // what there was before stays
       result_.status = MotionStatus::lost;
-      result_.message = "no fall came to the ground: its numbers were not finite, or it took too long";
+      result_.message = "no fall came to the ground, or to its end: " + beam.lost;
       return false;
     }
     FoundFall best = beam.falls.front();
-    // Windows know nothing of what turbulence costs.
-    if (plan_.sketch && !(plan_.turbulence > 0.0))
-      best = refine_in_windows(fall_, start, best, progress_, result_.history);
-    if (cancelled_) return false;
-    std::vector<CourseKnot> knots = head;
+    if (plan_.sketch || plan_.landing || plan_.turbulence > 0.0) {
+      if (!state_.refining) state_.refining = RefiningState::from(fall_, state_.start, best);
+      if (!refine_in_windows(fall_, state_.start, *state_.refining, progress_, [this] { keep(false); }))
+        return false;
+      best = state_.refining->best;
+    }
+    append(state_.beam.history);
+    if (state_.refining) append(state_.refining->history);
+    std::vector<CourseKnot> knots = state_.head;
     knots.insert(knots.end(), best.knots.begin(), best.knots.end());
-    CoefficientCourse course(fall_.names(), fall_.natural(), knots);
-    RealisedFall real = realise(plan_, course, best.end.t + 4.0 * fall_.longest_piece());
-    if (course_ && !(score(real) < score(real_))) return false;
-    knots_ = std::move(knots);
-    course_ = std::move(course);
-    real_ = std::move(real);
-    return true;
+    return take(std::move(knots), best.end.t + 4.0 * fall_.longest_piece());
   }
 
-  static double score(const RealisedFall& real) {
-    return real.is_over ? real.deviation + real.landing_miss : std::numeric_limits<double>::infinity();
+  void append(const std::vector<PlanningStep>& steps) {
+    state_.history.insert(state_.history.end(), steps.begin(), steps.end());
   }
 
-  void finish() {
-    if (real_.times.size() == 0) {
-      result_.status = MotionStatus::lost;
-      result_.message = "the motion that was found is not finite when it is integrated";
-      return;
-    }
-    result_.course = course_;
-    result_.times = real_.times;
-    result_.states = real_.states;
-    result_.end = real_.times[real_.times.size() - 1];
-    result_.deviation = real_.deviation;
-    result_.landing_miss = real_.landing_miss;
-    const auto& info = plan_.model->info();
-    const auto in = [](double value, const std::string& unit) {
-      return unit == "1" ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
+  void realise_knots(const std::vector<CourseKnot>& knots, double longest) {
+    course_.emplace(fall_.names(), fall_.natural(), knots);
+    real_ = realise(plan_, *course_, longest);
+    result_.cost = cost_of_motion(fall_, real_, replay(fall_, fall_.release(), knots).end);
+  }
+
+  bool take(std::vector<CourseKnot> knots, double longest) {
+    const std::optional<CoefficientCourse> course = course_;
+    const RealisedFall real = real_;
+    const FallCost cost = result_.cost;
+    realise_knots(knots, longest);
+    const auto worth = [](const RealisedFall& motion, const FallCost& of) {
+      return motion.is_over ? of.total() : std::numeric_limits<double>::infinity();
     };
-    const std::string length = std::ranges::find(info.states, "x", &models::StateInfo::name)->unit;
-    const std::string time = models::time_unit(info);
-    double miss = 0.0;
-    std::string distances;
-    if (plan_.sketch) {
-      miss = real_.deviation;
-      distances = in(real_.deviation, length) + " rms from the sketch";
+    if (course && !(worth(real_, result_.cost) < worth(real, cost))) {
+      course_ = course;
+      real_ = real;
+      result_.cost = cost;
+      return false;
     }
-    if (plan_.landing) {
-      miss = std::max(miss, real_.landing_miss);
-      distances += fmt::format("{}{} from the landing place", distances.empty() ? "" : ", ",
-                               in(real_.landing_miss, length));
-    }
-    result_.status = MotionStatus::found;
-    result_.message = distances;
-    if (!real_.is_over || (plan_.landing && !real_.landed)) {
-      const Eigen::VectorXd state = real_.states.row(real_.states.rows() - 1);
-      const double height =
-          fall_.states().position({state.data(), static_cast<std::size_t>(state.size())}).z() - plan_.ground;
-      result_.status = MotionStatus::not_landed;
-      result_.message = fmt::format("{} above the ground after {}; {}", in(height, length),
-                                    in(result_.end, time), distances);
-    } else if (plan_.duration && result_.end < *plan_.duration * (1.0 - 1e-9)) {
-      result_.status = MotionStatus::landed_early;
-      result_.message = fmt::format("on the ground after {}, expected {}", in(result_.end, time),
-                                    in(*plan_.duration, time));
-    } else if (plan_.deviation && miss > *plan_.deviation) {
-      result_.status = MotionStatus::deviation_missed;
-      result_.message = fmt::format("{}; {} was asked", distances, in(*plan_.deviation, length));
-    }
+    state_.knots = std::move(knots);
+    state_.longest = longest;
+    return true;
   }
 
   const MotionPlan& plan_;
   PlannedFall fall_;
+  const PlanningOptions& options_;
   ProgressCallback progress_;  ///< the one given, remembering that it cancelled
   bool cancelled_ = false;
-  std::vector<CourseKnot> knots_;
+  Clock::time_point kept_ = Clock::now();
+  PlanningState state_;
   std::optional<CoefficientCourse> course_;
   RealisedFall real_;
   MotionResult result_;
@@ -194,6 +228,8 @@ std::string to_string(MotionStatus status) {
       return "found";
     case MotionStatus::deviation_missed:
       return "deviation missed";
+    case MotionStatus::kinds_missed:
+      return "kinds missed";
     case MotionStatus::landed_early:
       return "landed early";
     case MotionStatus::not_landed:
@@ -220,31 +256,30 @@ RealisedFall realise(const MotionPlan& plan, const CoefficientCourse& course, do
   const models::Trajectory motion =
       models::integrate(model, {}, {times.data(), static_cast<std::size_t>(times.size())});
   RealisedFall real;
-  double square_time = 0.0;
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
   for (Eigen::Index row = 0; row < times.size() && times[row] <= motion.reached; ++row) {
     const Eigen::VectorXd state = motion.states.row(row);
     const Eigen::Vector3d place =
         fall.states().position({state.data(), static_cast<std::size_t>(state.size())});
     const Eigen::Vector3d deviation = fall.deviation(times[row], place);
-    if (row > 0) square_time += 0.5 * h * (before.squaredNorm() + deviation.squaredNorm());
+    if (row > 0) real.square_time += 0.5 * h * (before.squaredNorm() + deviation.squaredNorm());
     before = deviation;
     real.landed = place.z() <= plan.ground;
     real.is_over = fall.is_over(times[row], place.z());
     if (!real.is_over && row + 1 < times.size()) continue;
     real.times = times.head(row + 1);
     real.states = motion.states.topRows(row + 1);
-    real.deviation = row > 0 ? std::sqrt(square_time / times[row]) : 0.0;
+    real.deviation = row > 0 ? std::sqrt(real.square_time / times[row]) : 0.0;
     if (plan.landing) real.landing_miss = (place - *plan.landing).head<2>().norm();
     break;
   }
   return real;
 }
 
-MotionResult plan_motion(const MotionPlan& plan, const ProgressCallback& progress) {
+MotionResult plan_motion(const MotionPlan& plan, const PlanningOptions& options) {
   check(plan);
   const auto start = std::chrono::steady_clock::now();
-  MotionResult result = Planner(plan, progress).run();
+  MotionResult result = Planner(plan, options).run();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,7 +11,7 @@
 #include "samara/motion/courses/coefficient_course.h"
 #include "samara/motion/planning/motion_plan.h"
 
-/// Falls that do what they are asked: follow a sketch, come down at a place.
+/// Falls that do what they are asked: follow a sketch, come down at a place, swing and turn in a given order.
 ///
 /// Nothing is blended. What comes out is one solution of the model whose coefficients change within their box: a course of
 /// coefficients, and the motion that CVODES gives with it. At each minimum of speed the search chooses how
@@ -25,6 +26,7 @@ namespace samara::motion {
 enum class MotionStatus {
   found,             ///< and as good as was asked, if anything was
   deviation_missed,  ///< there is a motion, not as near as was asked
+  kinds_missed,      ///< as near as was asked, if anything was, but not of the kinds or patterns that were
   landed_early,      ///< on the ground before the time that the plan gives
   not_landed,        ///< it is not where it was to land when its time is over, or did not come to its end
   lost,              ///< no fall came to the ground or to the end of the time: no motion
@@ -32,6 +34,27 @@ enum class MotionStatus {
 };
 
 std::string to_string(MotionStatus status);
+
+/// What became of a plan's sequence, told from the motion that came out, not from the search.
+struct SequenceOutcome {
+  struct Segment {
+    double begin = 0.0, end = 0.0;  ///< s
+    std::optional<EventKind> asked = {};
+    std::optional<EventKind> got = {};  ///< none: it is steady
+  };
+  struct Stretch {
+    double begin = 0.0, end = 0.0;  ///< s; of a stretch that was not reached both the end of the fall
+    Pattern asked = Pattern::unresolved;
+    PatternLabel got = {};
+  };
+  std::vector<Segment> segments;   ///< all, from the first event on
+  std::vector<Stretch> stretches;  ///< of patterns that were asked
+  int asked = 0;                   ///< segments, or stretches
+  int had = 0;                     ///< as they were asked
+  int not_reached = 0;             ///< the fall was over before
+  /// Mean of log P(kind | kinds before) of the segments under the sequence's chain; NaN without one.
+  double log_likelihood = 0.0;
+};
 
 struct MotionResult {
   MotionStatus status = MotionStatus::lost;
@@ -42,6 +65,8 @@ struct MotionResult {
   Eigen::MatrixXd states;                       ///< by CVODES along the course, times x states
   double deviation = 0.0;                       ///< m, rms over time from the sketch; 0 without one
   double landing_miss = 0.0;                    ///< m, from the landing place; 0 without one
+  std::optional<SequenceOutcome> sequence;      ///< where the plan has one
+  FallCost cost;                                ///< of the motion
   int closings = 0;                             ///< how often the rest was searched again
   std::vector<PlanningStep> history;
   double seconds = 0.0;
@@ -49,16 +74,25 @@ struct MotionResult {
   bool is_usable() const { return course.has_value(); }
 };
 
-/// @throws ArgumentError if the plan's values are outside their meaning.
-MotionResult plan_motion(const MotionPlan& plan, const ProgressCallback& progress = {});
+struct PlanningOptions {
+  ProgressCallback progress = {};
+  /// Where the search is kept while it runs (every ten seconds, and when it is cancelled), and taken up again if it
+  /// is of the same plan; it is removed when all is done. What comes out is the same to the bit. Empty: nowhere.
+  std::filesystem::path checkpoint = {};
+};
+
+/// @throws ArgumentError if the plan's values are outside their meaning, or its body does not sink; InputError for a
+/// checkpoint of another plan.
+MotionResult plan_motion(const MotionPlan& plan, const PlanningOptions& options = {});
 
 /// The motion of CVODES along a course to the ground, or to the end of the time; without frames if it is not finite.
 struct RealisedFall {
   Eigen::VectorXd times;
   Eigen::MatrixXd states;
   double deviation = 0.0, landing_miss = 0.0;
-  bool landed = false;   ///< it came to the ground
-  bool is_over = false;  ///< it landed, or the time that the plan gives was over
+  double square_time = 0.0;  ///< integral of the squared deviation over time [m^2 s]
+  bool landed = false;       ///< it came to the ground
+  bool is_over = false;      ///< it landed, or the time that the plan gives was over
 };
 RealisedFall realise(const MotionPlan& plan, const CoefficientCourse& course, double longest);
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "samara/motion/ghost/bounded_quadratic.h"
+#include "samara/motion/planning/fall_cost.h"
 
 namespace samara::motion {
 
@@ -13,8 +14,7 @@ namespace {
 constexpr std::size_t kWindow = 6;  ///< knots that move at a time
 constexpr std::size_t kAhead = 10;  ///< knots that a window looks ahead
 constexpr std::size_t kStride = 3;  ///< knots from window to window
-constexpr double kChangeWeight = 0.15;
-constexpr int kTrials = 4;  ///< of a window, with more and more damping
+constexpr int kTrials = 5;          ///< of a window, with more and more damping
 
 long steps_between(const PlannedFall& fall, double from, double to) {
   return std::lround((to - from) / fall.plan().search.step);
@@ -45,30 +45,43 @@ std::vector<CourseKnot> with_thirds(const PlannedFall& fall, const std::vector<C
 
 class Windows {
  public:
-  Windows(const PlannedFall& fall, const FallPoint& start, std::vector<CourseKnot> knots)
+  Windows(const PlannedFall& fall, std::vector<CourseKnot>& knots)
       : fall_(fall),
-        start_(start),
-        knots_(std::move(knots)),
+        knots_(knots),
         count_(fall.names().size()),
         lanes_(fall.model(), fall.names(), lane_count(fall), {.tangents = true}),
-        values_(fall.model(), fall.names(), 1) {
+        values_(fall.model(), fall.names(), 1),
+        roaming_(fall) {
     for (Eigen::Index lane = 0; lane < lanes_.lanes(); ++lane) lanes_.load(lane, fall.natural());
     values_.load(0, fall.natural());
   }
 
-  const std::vector<CourseKnot>& knots() const { return knots_; }
-
-  /// One sweep down the fall. @returns false if it was cancelled
-  bool sweep(const ProgressCallback& progress) {
-    for (std::size_t first = 0; first < knots_.size(); first += kStride) {
-      if (progress &&
-          !progress({"refining", static_cast<double>(first) / static_cast<double>(knots_.size())}))
-        return false;
-      const ReplayedFall now = replay(fall_, start_, knots_);
-      if (!std::isfinite(now.cost) || first >= now.at_knots.size()) break;
-      improve(first, now);
+  /// The window that begins with this knot. @param now the fall along the knots as they are
+  /// @returns whether its knots were moved
+  bool improve(std::size_t first, const ReplayedFall& now) {
+    now_ = &now;
+    const FallPoint& from = now.at_knots[first];
+    const double end = horizon(first);
+    if (steps_between(fall_, from.t, end) < 10) return false;
+    const Look here = look(first, from, end, true);
+    if (!std::isfinite(here.cost) || !here.H.allFinite()) return false;
+    const Eigen::Index n = here.g.size();
+    Eigen::VectorXd lower(n), upper(n), z(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto j = static_cast<std::size_t>(i) % count_;
+      lower[i] = fall_.plan().box[j].lower;
+      upper[i] = fall_.plan().box[j].upper;
+      z[i] = knots_[first + static_cast<std::size_t>(i) / count_].values[j];
     }
-    return true;
+    double damping = 1e-3;
+    for (int trial = 0; trial < kTrials; ++trial, damping *= 10.0) {
+      Eigen::MatrixXd H = here.H;
+      for (Eigen::Index i = 0; i < n; ++i) H(i, i) += damping * (here.H(i, i) + 1e-9 * here.H.trace());
+      put(first, bounded_minimum(H, H * z - here.g, lower, upper, z));
+      if (look(first, from, end, false).cost < here.cost) return true;
+    }
+    put(first, z);
+    return false;
   }
 
  private:
@@ -122,7 +135,7 @@ class Windows {
         step += now;
         if (step % every != 0) continue;
         if (!lanes.finite(0)) return false;
-        record(h * static_cast<double>(every));
+        record(k, h * static_cast<double>(every));
       }
       t = until;
     }
@@ -140,19 +153,26 @@ class Windows {
     return seeds;
   }
 
-  double horizon(std::size_t first, const ReplayedFall& now) const {
-    return first + kAhead < knots_.size() ? std::min(knots_[first + kAhead].t, now.end.t) : now.end.t;
+  double horizon(std::size_t first) const {
+    return first + kAhead < knots_.size() ? std::min(knots_[first + kAhead].t, now_->end.t) : now_->end.t;
+  }
+
+  /// Height fallen of the whole, in semi-lengths: what changes and turbulence are over.
+  double fallen() const {
+    const double a = fall_.semi_length();
+    return std::max(a, fall_.release_height() - now_->end.height) / a;
   }
 
   /// Changes of coefficients within the window and to the knot behind it.
   void add_changes(std::size_t first, const FallPoint& from, Look& look) const {
     const auto knots = static_cast<Eigen::Index>(std::min(kWindow, knots_.size() - first));
+    const double share = kChangeCost / static_cast<double>(count_) / fallen();
     for (Eigen::Index k = 0; k <= knots; ++k) {
       const std::size_t knot = first + static_cast<std::size_t>(k);
       if (knot >= knots_.size()) break;
       for (std::size_t j = 0; j < count_; ++j) {
         const SteeredCoefficient& range = fall_.plan().box[j];
-        const double weight = kChangeWeight / (range.upper - range.lower);
+        const double weight = std::sqrt(share) / (range.upper - range.lower);
         const double before = k == 0 ? from.heading_for[j] : knots_[knot - 1].values[j];
         const double change = weight * (knots_[knot].values[j] - before);
         look.cost += change * change;
@@ -176,63 +196,110 @@ class Windows {
     }
   }
 
+  /// Of the place; 3 x unknowns.
+  Eigen::Matrix3Xd moved_places(const models::Stepper& lanes, Eigen::Index n) {
+    Eigen::Matrix3Xd moved(3, n);
+    tangent_.resize(state_.size());
+    for (Eigen::Index i = 0; i < n; ++i) {
+      lanes.read_tangent(i / lanes.directions(), static_cast<int>(i % lanes.directions()), tangent_);
+      moved.col(i) = fall_.states().position(tangent_);
+    }
+    return moved;
+  }
+
+  static void add_residual(const Eigen::VectorXd& residual, const Eigen::MatrixXd& J, double share,
+                           Look& look) {
+    look.cost += share * residual.squaredNorm();
+    if (look.g.size() == 0) return;
+    look.H += share * J.transpose() * J;
+    look.g += share * J.transpose() * residual;
+  }
+
+  void add_path(const models::Stepper& lanes, double weight, Look& look) {
+    if (!fall_.plan().sketch) return;
+    const double a = fall_.semi_length();
+    const Eigen::Vector3d place = fall_.states().position(state_);
+    Eigen::Matrix3Xd J(3, look.g.size());
+    if (look.g.size() > 0) {
+      J = moved_places(lanes, look.g.size());
+      const Eigen::RowVectorXd falls = J.row(2);
+      J -= fall_.plan().sketch->slope(place) * falls;
+    }
+    add_residual(fall_.deviation(lanes.time(0), place), J, weight / now_->end.t / (a * a), look);
+  }
+
+  /// The pieces of the turbulence are those between knots, with the heights that they had.
+  void add_turbulence(const models::Stepper& lanes, std::size_t first, std::size_t knot, double weight,
+                      Look& look) {
+    if (!(fall_.turbulence_factor() > 0.0) || knot >= now_->at_knots.size()) return;
+    const FallPoint& from = now_->at_knots[knot];
+    const FallPoint& to = knot + 1 < now_->at_knots.size() ? now_->at_knots[knot + 1] : now_->end;
+    const double height = std::abs(from.height - to.height) / fall_.semi_length();
+    const std::vector<double>& values = knots_[knot].values;
+    const double t = lanes.time(0);
+    Eigen::VectorXd residual;
+    roaming_.at(t, state_, values, residual);
+    Eigen::MatrixXd J(residual.size(), look.g.size());
+    tangent_.resize(state_.size());
+    for (Eigen::Index i = 0; i < look.g.size(); ++i) {
+      // Along the direction of the unknown, in state and coefficient at once.
+      const std::size_t at_knot = first + static_cast<std::size_t>(i) / count_;
+      const std::size_t j = static_cast<std::size_t>(i) % count_;
+      const double e = 1e-4 * (fall_.plan().box[j].upper - fall_.plan().box[j].lower);
+      lanes.read_tangent(i / lanes.directions(), static_cast<int>(i % lanes.directions()), tangent_);
+      Eigen::VectorXd ahead, behind;
+      for (const double sign : {1.0, -1.0}) {
+        std::vector<double> state = state_, coefficients = values;
+        for (std::size_t k = 0; k < state.size(); ++k) state[k] += sign * e * tangent_[k];
+        if (at_knot == knot) coefficients[j] += sign * e;
+        roaming_.at(t, state, coefficients, sign > 0.0 ? ahead : behind);
+      }
+      J.col(i) = (ahead - behind) / (2.0 * e);
+    }
+    add_residual(residual, J, weight * fall_.turbulence_factor() * height / fallen(), look);
+  }
+
+  /// Where it comes down: along the way that it has at the end of the window, which is that of the fall.
+  void add_landing(const models::Stepper& lanes, Look& look) {
+    const auto& landing = fall_.plan().landing;
+    if (!landing || now_->end.height > fall_.plan().ground) return;
+    std::vector<double> rate(state_.size()), coefficients(count_);
+    lanes.read(0, state_);
+    lanes.read_parameters(0, coefficients);
+    auto workspace = fall_.model().make_workspace();
+    fall_.model().rhs(lanes.time(0), state_, coefficients, rate, workspace);
+    const Eigen::Vector3d place = fall_.states().position(state_), velocity = fall_.states().position(rate);
+    if (!(velocity.z() < 0.0)) return;
+    const Eigen::Vector2d along = velocity.head<2>() / velocity.z();
+    const double a = fall_.semi_length();
+    const Eigen::Vector2d off =
+        place.head<2>() + along * (fall_.plan().ground - place.z()) - landing->head<2>();
+    Eigen::Matrix2Xd J(2, look.g.size());
+    if (look.g.size() > 0) {
+      const Eigen::Matrix3Xd moved = moved_places(lanes, look.g.size());
+      J = moved.topRows<2>() - along * moved.row(2);
+    }
+    add_residual(off, J, 1.0 / (a * a), look);
+  }
+
   Look look(std::size_t first, const FallPoint& from, double end, bool derivatives) {
     Look look;
     look.cost = 0.0;
-    const Eigen::Index n = unknowns(first);
     if (derivatives) {
-      look.H.setZero(n, n);
-      look.g.setZero(n);
+      look.H.setZero(unknowns(first), unknowns(first));
+      look.g.setZero(unknowns(first));
     }
     models::Stepper& lanes = derivatives ? lanes_ : values_;
-    std::vector<double> state(from.state.size()), tangent(state.size());
-    Eigen::Matrix3Xd J(3, n);
-    const double a = fall_.semi_length();
-    const bool finite = run(lanes, first, from, end, derivatives, [&](double weight) {
-      lanes.read(0, state);
-      const Eigen::Vector3d place = fall_.states().position(state);
-      const double share = weight / (end - from.t) / (a * a);
-      const Eigen::Vector3d deviation = fall_.deviation(lanes.time(0), place);
-      look.cost += share * deviation.squaredNorm();
-      if (!derivatives) return;
-      const Eigen::Vector3d slope = fall_.plan().sketch->slope(place);
-      for (Eigen::Index i = 0; i < n; ++i) {
-        lanes.read_tangent(i / lanes.directions(), static_cast<int>(i % lanes.directions()), tangent);
-        const Eigen::Vector3d moved = fall_.states().position(tangent);
-        J.col(i) = moved - slope * moved.z();
-      }
-      look.H += share * J.transpose() * J;
-      look.g += share * J.transpose() * deviation;
+    state_.resize(from.state.size());
+    const bool finite = run(lanes, first, from, end, derivatives, [&](std::size_t knot, double weight) {
+      lanes.read(0, state_);
+      add_path(lanes, weight, look);
+      add_turbulence(lanes, first, knot, weight, look);
     });
     if (!finite) return {};
+    if (end == now_->end.t) add_landing(lanes, look);
     add_changes(first, from, look);
     return look;
-  }
-
-  void improve(std::size_t first, const ReplayedFall& now) {
-    const FallPoint& from = now.at_knots[first];
-    const double end = horizon(first, now);
-    if (steps_between(fall_, from.t, end) < 10) return;
-    Look here = look(first, from, end, true);
-    if (!std::isfinite(here.cost) || !here.H.allFinite()) return;
-    const Eigen::Index n = here.g.size();
-    Eigen::VectorXd lower(n), upper(n), z(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto j = static_cast<std::size_t>(i) % count_;
-      lower[i] = fall_.plan().box[j].lower;
-      upper[i] = fall_.plan().box[j].upper;
-      z[i] = knots_[first + static_cast<std::size_t>(i) / count_].values[j];
-    }
-    double damping = 1e-3;
-    for (int trial = 0; trial < kTrials; ++trial, damping *= 10.0) {
-      Eigen::MatrixXd H = here.H;
-      for (Eigen::Index i = 0; i < n; ++i) H(i, i) += damping * (here.H(i, i) + 1e-9 * here.H.trace());
-      const Eigen::VectorXd to = bounded_minimum(H, H * z - here.g, lower, upper, z);
-      put(first, to);
-      const double cost = look(first, from, end, false).cost;
-      if (cost < here.cost) return;
-    }
-    put(first, z);
   }
 
   void put(std::size_t first, const Eigen::VectorXd& z) {
@@ -242,77 +309,59 @@ class Windows {
   }
 
   const PlannedFall& fall_;
-  const FallPoint& start_;
-  std::vector<CourseKnot> knots_;
+  std::vector<CourseKnot>& knots_;
   std::size_t count_;
   models::Stepper lanes_, values_;
+  Roaming roaming_;
+  const ReplayedFall* now_ = nullptr;
+  std::vector<double> state_, tangent_;
 };
 
 }  // namespace
 
-ReplayedFall replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots) {
-  ReplayedFall result;
-  const double h = fall.plan().search.step, a = fall.semi_length();
-  models::Stepper lane(fall.model(), fall.names(), 1);
-  lane.load(0, fall.natural());
-  lane.set_state(0, start.t, start.state);
-  lane.set_parameters(0, start.coefficients);
-  FallPoint now = start;
-  double change = 0.0;
-  const double most = knots.empty() ? start.t : knots.back().t + 4.0 * fall.longest_piece();
-  std::size_t next = 0;
-  while (!fall.is_over(now.t, now.height) && now.t < most) {
-    if (next < knots.size() && now.t > knots[next].t - 0.5 * h) {
-      lane.read_parameters(0, now.coefficients);
-      result.at_knots.push_back(now);
-      for (std::size_t j = 0; j < knots[next].values.size(); ++j) {
-        const SteeredCoefficient& range = fall.plan().box[j];
-        change += std::pow(
-            kChangeWeight * (knots[next].values[j] - now.heading_for[j]) / (range.upper - range.lower), 2);
-      }
-      now.heading_for = knots[next].values;
-      lane.ramp(0, knots[next].values, knots[next].ramp);
-      ++next;
-    }
-    lane.step(h);
-    lane.read(0, now.state);
-    if (!lane.finite(0)) {
-      result.cost = std::numeric_limits<double>::infinity();
-      return result;
-    }
-    now.t = lane.time(0);
-    const Eigen::Vector3d place = fall.states().position(now.state);
-    const double before = now.deviation.squaredNorm();
-    now.height = place.z();
-    now.deviation = fall.deviation(now.t, place);
-    now.square_time += 0.5 * h * (before + now.deviation.squaredNorm());
-  }
-  lane.read_parameters(0, now.coefficients);
-  result.end = now;
-  const double fallen = std::max(a, fall.release().height - now.height) / a;
-  result.cost = now.square_time / std::max(h, now.t) / (a * a) + change / fallen;
-  return result;
+RefiningState RefiningState::from(const PlannedFall& fall, const FallPoint& start, const FoundFall& found) {
+  RefiningState state;
+  state.best = found;
+  state.best.cost = replay(fall, start, found.knots).cost;
+  // What turbulence costs goes by pieces: they stay those of the search.
+  state.knots = fall.turbulence_factor() > 0.0 ? found.knots : with_thirds(fall, found.knots, found.end.t);
+  return state;
 }
 
-FoundFall refine_in_windows(const PlannedFall& fall, const FallPoint& start, const FoundFall& found,
-                            const ProgressCallback& progress, std::vector<PlanningStep>& history) {
-  FoundFall best = found;
-  best.cost = replay(fall, start, best.knots).cost;
-  std::vector<CourseKnot> knots = with_thirds(fall, found.knots, found.end.t);
-  for (int sweep = 0; sweep < fall.plan().search.sweeps; ++sweep) {
-    Windows windows(fall, start, knots);
-    const bool finished = windows.sweep(progress);
-    const ReplayedFall now = replay(fall, start, windows.knots());
-    const bool improved = now.cost < best.cost;
-    if (improved) best = {.knots = windows.knots(), .end = now.end, .cost = now.cost};
-    history.push_back(
-        {.stage = "windows", .cost = best.cost, .depth = fall.release().height - best.end.height});
-    if (!finished || !improved) break;
-    knots = best.knots;
+bool refine_in_windows(const PlannedFall& fall, const FallPoint& start, RefiningState& state,
+                       const ProgressCallback& progress, const std::function<void()>& keep) {
+  while (state.sweep < fall.plan().search.sweeps) {
+    Windows windows(fall, state.knots);
+    ReplayedFall now = replay(fall, start, state.knots);
+    while (std::isfinite(now.cost) && state.first < now.at_knots.size()) {
+      if (progress &&
+          !progress({"refining", static_cast<double>(state.first) / static_cast<double>(state.knots.size())}))
+        return false;
+      const std::vector<CourseKnot> before = state.knots;
+      if (windows.improve(state.first, now)) {
+        ReplayedFall moved = replay(fall, start, state.knots);
+        if (moved.cost < now.cost) {
+          state.best = {.knots = state.knots, .end = moved.end, .cost = moved.cost};
+          state.has_improved = true;
+          now = std::move(moved);
+        } else {
+          state.knots = before;
+        }
+      }
+      state.first += kStride;
+      if (keep) keep();
+    }
+    state.history.push_back({.stage = "windows",
+                             .cost = state.best.cost,
+                             .depth = fall.release_height() - state.best.end.height});
+    if (!state.has_improved) break;
+    state.first = 0;
+    state.has_improved = false;
+    ++state.sweep;
   }
   // Knots behind the end of the fall move nothing.
-  std::erase_if(best.knots, [&](const CourseKnot& knot) { return knot.t >= best.end.t; });
-  return best;
+  std::erase_if(state.best.knots, [&](const CourseKnot& knot) { return knot.t >= state.best.end.t; });
+  return true;
 }
 
 }  // namespace samara::motion

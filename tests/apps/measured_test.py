@@ -1,7 +1,7 @@
 """Usage: measured_test.py SAMARA [CLASS]
 
 The lines of docs/measured_sets.md run as they stand, and reach what the page says. The sets are found where
-SAMARA_DATA points; without them the test is skipped (exit code 77). LongMeasured takes minutes: ./dev check runs it.
+SAMARA_DATA points; without them the test is skipped (exit code 77). LongMeasured and FilmToFalls take minutes: ./dev check runs them.
 """
 
 import json
@@ -11,6 +11,9 @@ import re
 import subprocess
 import sys
 
+import h5py
+
+import page
 from samara_case import FOLDER, PATIENCE, SAMARA, Case, main
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -125,6 +128,36 @@ class LongMeasured(Measured):
         answer, _ = self.check(self.line("falling_paper_folds"), "paper, folds, 0.1 s")
         names = re.findall(r"(C_\w+) [\d.]+ \+-", first)
         self.check_coefficients(answer, ", ".join(f"{n} {x}" for n, x in zip(names, re.findall(r"[\d.]+ \+- [\d.]+", second))))
+
+
+class FilmToFalls(Case):
+    """From a film to new falls of that object, as docs/motion.md walks it: every line of its section."""
+
+    def test_a_drop_of_paper_becomes_a_chain_and_a_new_fall(self):
+        text = (ROOT / "docs/motion.md").read_text().split("## From a film")[1].split("\n## ")[0]
+        fences = re.findall(r"^ *```sh[^\n]*\n(.*?)^ *```$", text, re.M | re.S)
+        self.assertEqual(len(fences), 4)
+        reader = page.Reader(SAMARA, FOLDER / "walk", 900 * PATIENCE)
+        for lines in fences:
+            output, code = reader.type(lines)
+            self.assertIn(code, (0, 4), lines + output)
+        film = json.loads((reader.place / "film.json").read_text())
+        self.assertEqual(len(film["captures"]), 85)
+        series = json.loads((reader.place / "series.json").read_text())
+        self.assertTrue(any("show no change" in warning for warning in series["warnings"]) or "show no change" in reader.printed[1])
+        with h5py.File(reader.place / "series.h5") as file:
+            self.assertEqual(file.attrs["format"], b"samara-codebook")
+        # What was asked came from the film's own patterns, and what was got stands beside it.
+        words = {window["pattern"] for capture in film["captures"] for window in capture["windows"]}
+        data = json.loads(re.search(r'id="motion">(.*?)</script>', (reader.place / "fall.html").read_text(), re.S)[1])
+        told = data["sequence"]
+        self.assertEqual(told["origin"], "film.json")
+        self.assertGreater(len(told["stretches"]), 0)
+        self.assertLessEqual({stretch["asked"] for stretch in told["stretches"]}, words)
+        self.assertEqual(told["had"], sum(stretch["asked"] == stretch["got"] for stretch in told["stretches"]))
+        lifts = {one["name"]: one for one in data["coefficients"]}
+        self.assertLess(lifts["C_R"]["upper"] - lifts["C_R"]["lower"], 0.5)
+        self.assertLess(data["ghost"]["force_max"], 1e-2)
 
 
 if __name__ == "__main__":

@@ -173,7 +173,7 @@ key = "{LONG}"
 class Schemas(unittest.TestCase):
     """Answers as JSON, docs/schemas; samara_case.py compares each that a test asks for with its schema."""
 
-    OF_PAGES = {"samara-patterns-page/1"}  # what pages carry is nobody else's
+    OF_PAGES = {"samara-patterns-page/1", "samara-motion-page/1"}  # what pages carry is nobody else's
 
     def test_every_answer_has_a_schema_and_every_schema_a_call(self):
         written = set()

@@ -1,0 +1,78 @@
+#include "samara/motion/planning/fall_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace samara::motion {
+
+namespace {
+
+/// Constant of the Langevin equation, C_0.
+constexpr double kKolmogorov = 2.1;
+
+/// The mean price of segments, so that falls with fewer of them are no cheaper; what a fall that is over has not reached
+/// was not as asked.
+double price_of_kinds(const PlannedFall& fall, const FallPoint& point) {
+  const auto& sequence = fall.plan().sequence;
+  if (!sequence) return 0.0;
+  const double asked = static_cast<double>(sequence->segments.size());
+  const double segments = std::max(0, point.events - 1);
+  const double missing = fall.is_over(point.t, point.height) ? std::max(0.0, asked - segments) : 0.0;
+  const double counted = (sequence->chain ? segments : std::min(segments, asked)) + missing;
+  if (counted == 0.0) return 0.0;
+  const double price = sequence->is_of_patterns() ? MotionSequence::kUnseenPrice : 1.0;
+  return sequence->weight * (point.kinds + price * missing) / counted;
+}
+
+}  // namespace
+
+FallCost cost_of(const PlannedFall& fall, const FallPoint& point) {
+  const MotionPlan& plan = fall.plan();
+  const double a = fall.semi_length();
+  const double fallen = std::max(a, fall.release_height() - point.height) / a;
+  FallCost cost;
+  cost.path = point.square_time / std::max(1e-300, point.t) / (a * a);
+  cost.changes = point.changes / fallen;
+  cost.turbulence = point.turbulence / fallen;
+  cost.kinds = price_of_kinds(fall, point);
+  if (!plan.landing || point.height > plan.ground) return cost;
+  const Eigen::Vector3d off = fall.states().position(point.state) - *plan.landing;
+  cost.landing = off.head<2>().squaredNorm() / (a * a);
+  return cost;
+}
+
+void add_change(const PlannedFall& fall, FallPoint& point, const std::vector<double>& from,
+                const std::vector<double>& to) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    const SteeredCoefficient& range = fall.plan().box[j];
+    sum += std::pow((to[j] - from[j]) / (range.upper - range.lower), 2);
+  }
+  point.changes += kChangeCost * sum / static_cast<double>(from.size());
+}
+
+double turbulence_factor(const MotionPlan& plan) {
+  if (!(plan.turbulence > 0.0)) return 0.0;
+  const double k = 1.5 * std::pow(plan.turbulence * plan.scales().velocity, 2);
+  const double dissipation = std::pow(0.09, 0.75) * std::pow(k, 1.5) / (0.07 * 2.0 * plan.semi_length());
+  return 1.0 / (3.0 * kKolmogorov * dissipation);
+}
+
+void add_piece(const PlannedFall& fall, FallPoint& point, double duration, double fallen) {
+  point.turbulence +=
+      point.acceleration_square * duration * fall.turbulence_factor() * std::abs(fallen) / fall.semi_length();
+}
+
+void add_event(const PlannedFall& fall, FallPoint& point, std::optional<EventKind> kind) {
+  const auto& sequence = fall.plan().sequence;
+  if (!sequence) return;
+  // What ends with the first event is a release, and no segment.
+  if (point.events++ == 0) return;
+  const auto number = static_cast<std::size_t>(point.events) - 2;
+  point.kinds += sequence->price(number, point.past, kind);
+  if (!kind) return point.past.clear();
+  if (std::ssize(point.past) == MarkovChain::kMostOrder) point.past.erase(point.past.begin());
+  point.past.push_back(static_cast<int>(*kind));
+}
+
+}  // namespace samara::motion

@@ -1,0 +1,173 @@
+"""Usage: synthesis_test.py SAMARA [CLASS]
+
+`samara synthesize`: sequences of kinds and patterns, interrupted searches, its JSON and its page (in a real browser; skipped,
+with exit code 77, without one).
+"""
+
+import csv
+import json
+import re
+import signal
+import subprocess
+import time
+
+import numpy
+
+import browser
+from samara_case import FOLDER, LONGEST, SAMARA, Case, main, run, write
+
+PLATES = """model = "falling_plate_nd"
+[fixed]
+beta = 0
+inertia_ratio = 1.3
+[axes]
+C_T = { from = 0.8, to = 1.4 }
+C_R = { from = 2, to = 4 }
+A = { from = 1, to = 1.8 }
+[sample]
+count = 60
+[releases]
+tilt = [0.6]
+[run]
+until = 60
+step = 0.05
+"""
+
+PLAN = """model = "falling_plate_nd"
+[body]
+inertia_ratio = 1.3
+beta = 0
+[release]
+height = 40
+tilt = 0.6
+[box]
+C_T = [0.8, 1.4]
+C_R = [2, 4]
+A = [1, 1.8]
+[search]
+beam = 8
+children = 12
+step = 0.02
+sweeps = 1
+"""
+SKETCH = '[path]\nfile = "slant.csv"\n'
+HOSTILE = "<img src=x onerror=alert(1)>&</script>\"'"
+
+
+def database():
+    path = FOLDER / "plates.h5"
+    if not path.exists():
+        assert run("sweep", write("plates.toml", PLATES), "-o", FOLDER / "sweep.h5").returncode == 0
+        assert run("database", FOLDER / "sweep.h5", "-o", path).returncode == 0
+    return path
+
+
+def plan(name, more="", text=PLAN):
+    database()
+    write("slant.csv", "x,y\n0,40\n16,0\n")
+    return write(name, 'database = "plates.h5"\n' + text + more)
+
+
+class Syntheses(Case):
+    def test_a_drawn_sequence_is_told_in_the_answer_beside_what_came_of_it(self):
+        motion = plan("drawn.toml", "[sequence]\nlength = 6\nseed = 3\n", PLAN.replace("height = 40", "height = 90"))
+        result = run("synthesize", motion, "-o", FOLDER / "drawn.csv", "--json")
+        self.assertIn(result.returncode, (0, 4), result.stderr)
+        answer = json.loads(result.stdout)
+        self.assertEqual(self.check_schema(answer), "samara-motion")
+        told = answer["sequence"]
+        self.assertEqual((told["asked"], told["seed"], told["origin"]), (6, 3, "the database"))
+        self.assertEqual([s["asked"] is not None for s in told["segments"]], [k < 6 for k in range(len(told["segments"]))])
+        self.assertEqual(told["had"], sum(s["asked"] == s["got"] for s in told["segments"][:6]))
+        self.assertEqual(answer["status"] == "found", told["had"] == 6)
+        self.assertEqual(result.returncode, 0 if told["had"] == 6 else 4)
+        self.assertAlmostEqual(answer["cost"]["total"], sum(v for k, v in answer["cost"].items() if k != "total"))
+        # A swing is less than 0.6 pi of the angle between its events, a turn more: in the states that were written.
+        with open(FOLDER / "drawn.csv") as file:
+            table = list(csv.DictReader(file))
+        names = {name.split("[")[0]: name for name in table[0]}
+        t, theta = (numpy.array([float(row[names[c]]) for row in table]) for c in ("t", "theta"))
+        for segment in told["segments"]:
+            turn = numpy.interp(segment["end"], t, theta) - numpy.interp(segment["begin"], t, theta)
+            if segment["got"] != "steady":
+                self.assertEqual(segment["got"], ("turn" if abs(turn) >= 0.6 * numpy.pi else "swing") + ("+" if turn > 0 else "-"))
+
+    def test_a_chain_of_counts_says_how_windows_follow_each_other(self):
+        chain = {"schema": "samara-chain/1", "symbols": ["autorotation", "zigzag"], "counts": [[30, 0], [0, 30]]}
+        self.check_schema(chain)
+        write("chain.json", json.dumps(chain))
+        motion = plan("chained.toml", "[sequence]\nchain = \"chain.json\"\nlength = 3\nevents = 2\n", PLAN.replace("height = 40", "height = 90"))
+        answer = json.loads(run("synthesize", motion, "-o", FOLDER / "chained.csv", "--json").stdout)["sequence"]
+        self.assertEqual((answer["origin"], len(answer["stretches"]), answer["asked"]), ("chain.json", 1, 1))
+        self.assertEqual(answer["had"], int(answer["stretches"][0]["asked"] == answer["stretches"][0]["got"]))
+
+    def test_what_cannot_be_meant_is_refused_with_its_line(self):
+        for more, part in [("[sequence]\nkinds = [\"swing\"]\n", "expected one of swing-"),
+                           ("[sequence]\npatterns = [\"helix\"]\n", "helix is 0 of 60 falls"),
+                           ("[sequence]\nchain = \"plates.toml\"\nlength = 3\n", "plates.toml")]:
+            self.check_error(run("synthesize", plan("bad.toml", more), "-o", FOLDER / "bad.csv"), 3, part)
+        other = PLAN.replace("inertia_ratio = 1.3", "inertia_ratio = 1.5")
+        self.check_error(run("synthesize", plan("bad.toml", SKETCH, other), "-o", FOLDER / "bad.csv"), 3, "bad.toml:1", "inertia_ratio = 1.3")
+        self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--resume"), 2, "to go on from")
+        self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--report", FOLDER / "bad.toml"), 2, "overwrite")
+
+    def test_an_interrupted_search_goes_on_where_it_stopped(self):
+        long = PLAN.replace("beam = 8", "beam = 60").replace("children = 12", "children = 48").replace("step = 0.02", "step = 0.01")
+        motion, target = plan("long.toml", SKETCH, long), FOLDER / "long.csv"
+        process = subprocess.Popen([SAMARA, "synthesize", motion, "-o", target], stderr=subprocess.PIPE, text=True)
+        end = time.monotonic() + LONGEST
+        while not (FOLDER / "long.csv.lock").exists() and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.01)
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=LONGEST)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("is kept: the same line goes on from there", errors)
+        self.assertTrue((FOLDER / "long.csv.part").exists())
+        self.assertFalse(target.exists())
+        self.check_error(run("synthesize", plan("long.toml", SKETCH, long + "seed = 2\n"), "-o", target), 3, "belongs to another plan")
+
+
+class PageOfAMotion(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.page = FOLDER / "motion.html"
+        cls.plan = plan("page.toml", SKETCH + "# " + HOSTILE + "\n[landing]\nx = 16\n[sequence]\nkinds = [\"2 swing+\", \"swing-\"]\n")
+        result = run("synthesize", cls.plan, "-o", FOLDER / "page.csv", "--report", cls.page, "--json")
+        assert result.returncode in (0, 4), result.stderr
+        cls.answer = json.loads(result.stdout)
+        cls.text = cls.page.read_text()
+
+    def test_the_page_is_complete_in_itself_and_runs_nothing_of_files(self):
+        self.assertEqual(re.findall(r"(?:src|href)\s*=\s*[\"'](?!#)", self.text.replace(HOSTILE, "")), [])
+        self.assertIn("default-src 'none'", self.text)
+        self.assertNotIn("<img", self.text)
+        self.assertEqual(self.text.count("</script>"), 3)
+
+    def test_charts_are_drawn_and_numbers_are_those_of_the_json(self):
+        if browser.PROGRAM is None:
+            self.skipTest("no browser is here")
+        with browser.Browser() as opened:
+            opened.open(self.page, "#check")
+            opened.until("document.documentElement.dataset.painted !== undefined")
+            self.assertEqual(opened.complaints, [])
+            self.assertEqual([r for r in opened.requests if not r.startswith("file:")], [])
+            # The path, three coefficients, the invisible force.
+            self.assertEqual(opened.value("document.documentElement.dataset.painted"), "5")
+            rows = lambda id: opened.value(f"[...document.querySelectorAll('#{id} tr')].map((r) => [...r.children].map((c) => c.dataset.value || c.textContent))")
+            status = rows("status")[1]
+            self.assertEqual(status[0], self.answer["status"])
+            self.assertAlmostEqual(float(status[2]), self.answer["deviation"], places=9)
+            self.assertAlmostEqual(float(status[4]), self.answer["landing_miss"], places=9)
+            cost = {name: float(value) for name, value in rows("cost")[1:]}
+            for name, value in self.answer["cost"].items():
+                self.assertAlmostEqual(cost[name], value, places=9)
+            segments = rows("segments")[1:]
+            self.assertEqual([(s[3] or None, s[4]) for s in segments], [(s["asked"], s["got"]) for s in self.answer["sequence"]["segments"]])
+            self.assertEqual(len(rows("history")), 1 + len(self.answer["history"]))
+            self.assertEqual(opened.value("document.getElementById('plan').textContent"), self.plan.read_text())
+            self.assertIn(f"{self.answer['sequence']['had']} of 3 kinds as asked", opened.value("document.getElementById('sequence-says').textContent"))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,269 @@
+/// Kinds and patterns that a fall is asked to have, what the search goes by, and that an interrupted one goes on.
+#include <cmath>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/io/toml_document.h"
+#include "samara/models/laws/registry.h"
+#include "samara/motion/planning/fall_cost.h"
+#include "samara/motion/planning/planner.h"
+#include "samara/motion/planning/window_search.h"
+
+using namespace samara::motion;
+
+namespace {
+
+/// Plates of I* 1.3 in their plane, a hundred of them.
+std::shared_ptr<const MotionDatabase> plate_motions() {
+  static const auto database = std::make_shared<const MotionDatabase>(build_database(
+      run_sweep(parse_sweep_plan(
+                    "model = \"falling_plate_nd\"\n[fixed]\nbeta = 0\ninertia_ratio = 1.3\n[axes]\n"
+                    "C_T = { from = 0.8, to = 1.4 }\nC_R = { from = 2, to = 4 }\nA = { from = 1, to = 1.8 }\n"
+                    "[sample]\ncount = 100\n[releases]\ntilt = [0.6]\n[run]\nuntil = 60\nstep = 0.05\n"
+                    "settle = 10\n",
+                    "plates.toml"))
+          .sweep));
+  return database;
+}
+
+MotionPlan sequence_plan(double height = 40.0) {
+  MotionPlan plan;
+  plan.model = samara::models::find_model("falling_plate_nd");
+  plan.fixed = {{"inertia_ratio", 1.3}, {"beta", 0.0}, {"theta(0)", 0.6}, {"y(0)", height},
+                {"C_T", 1.1},           {"C_R", 3.0},  {"A", 1.4}};
+  plan.box = {{"C_T", 0.8, 1.4, 1.1}, {"C_R", 2.0, 4.0, 3.0}, {"A", 1.0, 1.8, 1.4}};
+  plan.search = {.beam = 10, .children = 12, .sweeps = 1, .step = 0.02, .ramp = 1.0, .seed = 1};
+  return plan;
+}
+
+Sketch slanted_sketch(double height) {
+  Eigen::MatrixX3d points(2, 3);
+  points << 0.0, 0.0, height, 0.4 * height, 0.0, 0.0;
+  return Sketch(points);
+}
+
+MotionSequence read_text(const std::string& text, const MotionDatabase* database = plate_motions().get()) {
+  const auto root = samara::io::TomlTable::parse("[sequence]\n" + text, "motion.toml");
+  return read_sequence(root.table("sequence"), std::filesystem::temp_directory_path(), database);
+}
+
+std::string named_file(const std::string& name, const std::string& text) {
+  std::ofstream(std::filesystem::temp_directory_path() / name) << text;
+  return name;
+}
+
+}  // namespace
+
+TEST_CASE("kinds that are drawn from a chain come about, and are counted in the motion itself") {
+  MotionPlan plan = sequence_plan(100.0);
+  plan.search.beam = 24;
+  plan.search.children = 24;
+  plan.database = plate_motions();
+  plan.sequence = read_text("length = 7\nseed = 3");
+  CHECK(read_text("length = 7\nseed = 4").segments.front().kind.has_value());
+  const MotionResult motion = plan_motion(plan);
+  REQUIRE(motion.is_usable());
+  const SequenceOutcome& outcome = *motion.sequence;
+  CHECK(outcome.asked == 7);
+  CHECK(outcome.had >= 6);  // 7 here; the first kinds are often decided by the release
+  CHECK((motion.status == MotionStatus::found) == (outcome.had == outcome.asked));
+  // Another finder, in the states that came out.
+  const EventList list = events_of(
+      MovingStates(plan.model->info(), BodySymmetry::none), plate_motions()->events,
+      {motion.times.data(), static_cast<std::size_t>(motion.times.size())}, motion.states.transpose());
+  REQUIRE(list.events.size() == outcome.segments.size() + 1);
+  int had = 0;
+  for (std::size_t k = 0; k < outcome.segments.size(); ++k) {
+    CHECK(outcome.segments[k].end == list.events[k + 1].t);
+    if (!list.events[k + 1].is_steady) CHECK(outcome.segments[k].got == list.events[k + 1].kind);
+    if (k < 7) had += plan.sequence->segments[k].kind == list.events[k + 1].kind ? 1 : 0;
+  }
+  CHECK(outcome.had == had);
+}
+
+TEST_CASE("kinds that cannot be had are no kinds that were dropped: the status and the counts say so") {
+  MotionPlan plan = sequence_plan(20.0);
+  plan.sequence = read_text("kinds = [\"30 turn-\"]", nullptr);
+  const MotionResult motion = plan_motion(plan);
+  CHECK(motion.status == MotionStatus::kinds_missed);
+  CHECK(motion.sequence->asked == 30);
+  CHECK(motion.sequence->had < 10);
+  CHECK(motion.sequence->not_reached == 30 - std::ssize(motion.sequence->segments));
+  CHECK_THAT(motion.message, Catch::Contains("of 30 kinds as asked") && Catch::Contains("not reached"));
+}
+
+TEST_CASE("patterns are told by what the motion shows, stretch by stretch") {
+  MotionPlan plan = sequence_plan(120.0);
+  plan.database = plate_motions();
+  for (const Pattern pattern : {Pattern::zigzag, Pattern::autorotation}) {
+    plan.sequence = read_text("patterns = [\"8 " + to_string(pattern) + "\"]");
+    CHECK(plan.sequence->is_of_patterns());
+    const MotionResult motion = plan_motion(plan);
+    REQUIRE(motion.sequence->stretches.size() == 1);
+    const SequenceOutcome::Stretch& stretch = motion.sequence->stretches.front();
+    CHECK(stretch.got.pattern == pattern);
+    CHECK(stretch.end > stretch.begin);
+    CHECK(motion.status == MotionStatus::found);
+  }
+}
+
+TEST_CASE("a fall that is asked to be likely is likelier under the chain than one that is not") {
+  MotionPlan plan = sequence_plan(100.0);
+  // A chain that swings to and fro, as zigzags do.
+  const std::string zigzags =
+      named_file("zigzags.json",
+                 R"({"schema": "samara-chain/1", "symbols": ["swing-", "swing+", "turn-", "turn+"],
+          "counts": [[0, 90, 0, 0], [90, 0, 0, 0], [45, 45, 0, 0], [45, 45, 0, 0]]})");
+  plan.sequence = read_text("chain = \"" + zigzags + "\"\nweight = 1e-6", nullptr);
+  const double careless = plan_motion(plan).sequence->log_likelihood;
+  plan.sequence->weight = 20.0;
+  const MotionResult likely = plan_motion(plan);
+  CHECK(likely.sequence->log_likelihood > careless + 1.0);
+  CHECK(likely.sequence->asked == 0);
+  CHECK(likely.status == MotionStatus::found);
+}
+
+TEST_CASE("chains come from films, from counts and from databases; what is none is refused") {
+  const std::string film = named_file("film.json",
+                                      R"({"schema": "samara-patterns/1", "captures": [{"id": "a", "windows": [
+          {"pattern": "zigzag", "windows": 40}, {"pattern": "unresolved"}, {"pattern": "chaotic", "windows": 40}]}]})");
+  const MotionSequence drawn = read_text("chain = \"" + film + "\"\nlength = 30\nseed = 2\nevents = 3");
+  REQUIRE(drawn.segments.size() == 90);
+  int changes = 0;
+  for (std::size_t k = 1; k < drawn.segments.size(); ++k) {
+    if (drawn.segments[k].pattern == drawn.segments[k - 1].pattern) continue;
+    CHECK(k % 3 == 0);
+    ++changes;
+  }
+  CHECK(changes <= 6);  // windows last, as they do in the film
+  CHECK(drawn.seed == 2u);
+  const std::string counts = named_file(
+      "counts.json",
+      R"({"schema": "samara-chain/1", "symbols": ["turn+", "swing-"], "counts": [[0, 9], [9, 0]]})");
+  const MotionSequence alternating = read_text("chain = \"" + counts + "\"\nlength = 12\nseed = 5", nullptr);
+  int turns = 0;
+  for (const AskedSegment& segment : alternating.segments)
+    turns += segment.kind == EventKind::turn_plus ? 1 : 0;
+  CHECK(turns > 2);
+  CHECK(turns < 10);
+  const auto refuses = [](const std::string& text, const std::string& sentence, bool has_database = true) {
+    CHECK_THROWS_WITH(read_text(text, has_database ? plate_motions().get() : nullptr),
+                      Catch::Contains(sentence));
+  };
+  refuses("kinds = [\"swing\"]", "expected one of swing-");
+  refuses("kinds = [\"0 swing+\"]", "a count of 1 or more");
+  refuses("kinds = [\"swing+\"]\npatterns = [\"zigzag\"]", "one of the two");
+  refuses("kinds = [\"swing+\"]\nseed = 2", "sequences that are drawn");
+  refuses("patterns = [\"helix\"]", "helix is 0 of 100 falls");
+  refuses("patterns = [\"zigzag\"]", "expected database", false);
+  refuses("length = 3", "expected one of them", false);
+  refuses("length = 0", "expected 1 to");
+  refuses("weight = 0", "more than 0");
+  refuses("events = 2", "expected none here");
+  refuses("chain = \"" + film + "\"", "length");
+  refuses("chain = \"" + named_file("odd.json", "{}") + "\"\nlength = 2", "is no chain");
+  refuses("chain = \"" + named_file("odd.json", R"({"schema": "samara-chain/1", "symbols": 3})") +
+              "\"\nlength = 2",
+          "is damaged");
+}
+
+TEST_CASE("search and windows ask one cost, and refining never loses the landing") {
+  MotionPlan plan = sequence_plan(30.0);
+  plan.sketch = slanted_sketch(30.0);
+  plan.landing = Eigen::Vector3d(12.0, 0.0, 0.0);
+  for (const double turbulence : {0.0, 0.5}) {
+    plan.turbulence = turbulence;
+    const PlannedFall fall(plan);
+    BeamState state = BeamState::from(fall.release());
+    const FoundFall found = search_beam(fall, state, {}).falls.front();
+    // The same fall by itself, step by step: every part of the cost.
+    const ReplayedFall alone = replay(fall, fall.release(), found.knots);
+    const FallCost searched = cost_of(fall, found.end), replayed = cost_of(fall, alone.end);
+    CHECK(std::abs(searched.path - replayed.path) < 1e-9 * replayed.path);
+    CHECK(std::abs(searched.changes - replayed.changes) < 1e-12);
+    CHECK(std::abs(searched.turbulence - replayed.turbulence) < 1e-9 * (1.0 + replayed.turbulence));
+    CHECK(std::abs(searched.landing - replayed.landing) < 1e-9);
+    CHECK((replayed.turbulence > 0.0) == (turbulence > 0.0));
+    CHECK(std::abs(found.cost - alone.cost) < 1e-9 * alone.cost);
+    // From a fall that lands well, with the sketch drawing it elsewhere.
+    RefiningState refining = RefiningState::from(fall, fall.release(), found);
+    REQUIRE(refine_in_windows(fall, fall.release(), refining, {}));
+    const ReplayedFall refined = replay(fall, fall.release(), refining.best.knots);
+    CHECK(refined.cost == refining.best.cost);
+    CHECK(refined.cost < alone.cost);
+    CHECK(cost_of(fall, refined.end).landing <= alone.cost);
+  }
+}
+
+TEST_CASE("windows find the landing that the search has missed") {
+  MotionPlan plan = sequence_plan(20.0);
+  plan.landing = Eigen::Vector3d(2.0, 0.0, 0.0);
+  plan.search.beam = 1;
+  plan.search.children = 2;
+  plan.search.sweeps = 0;
+  const double missed = plan_motion(plan).landing_miss;
+  plan.search.sweeps = 4;
+  CHECK(plan_motion(plan).landing_miss < 0.3 * missed);
+}
+
+TEST_CASE("a search that is interrupted again and again comes to the same motion, to the bit") {
+  MotionPlan plan = sequence_plan();
+  plan.database = plate_motions();
+  plan.sketch = slanted_sketch(40.0);
+  plan.sequence = read_text("length = 5\nseed = 3");
+  const MotionResult whole = plan_motion(plan);
+  const auto part = std::filesystem::temp_directory_path() / "samara_planning.part";
+  std::filesystem::remove(part);
+  int interruptions = 0;
+  MotionResult parts;
+  do {
+    int calls = 0;
+    parts = plan_motion(
+        plan, {.progress = [&](const samara::Progress&) { return ++calls < 4; }, .checkpoint = part});
+    if (parts.status == MotionStatus::cancelled && interruptions++ == 0) {
+      MotionPlan other = plan;
+      other.search.seed = 2;
+      CHECK_THROWS_WITH(plan_motion(other, {.checkpoint = part}), Catch::Contains("belongs to another plan"));
+      CHECK(std::filesystem::exists(part));
+    }
+    REQUIRE(interruptions < 1000);
+  } while (parts.status == MotionStatus::cancelled);
+  CHECK(interruptions > 3);
+  CHECK_FALSE(std::filesystem::exists(part));
+  CHECK(parts.status == whole.status);
+  CHECK(parts.states == whole.states);
+  CHECK(parts.cost.total() == whole.cost.total());
+  REQUIRE(parts.history.size() == whole.history.size());
+  for (std::size_t k = 0; k < whole.history.size(); ++k) {
+    CHECK(parts.history[k].cost == whole.history[k].cost);
+    CHECK(parts.history[k].pieces == whole.history[k].pieces);
+  }
+}
+
+TEST_CASE("bodies that do not come down, and databases of others, are refused before the search") {
+  const std::string leaf =
+      "model = \"immersed_body\"\n[body]\na = 0.035\nb = 0.02\nc = 1e-4\ndensity = 1200\nC_D0 = 0.05\nC_w = "
+      "2\n"
+      "[release]\nheight = 2\ntilt = 0.2\n[landing]\nx = 0\ny = 0\n[box]\nC_T = [0.6, 1.8]\n";
+  CHECK(parse_motion_plan(leaf, "motion.toml").sinks());
+  const auto refuses = [&](const std::string& from, const std::string& to, const std::string& sentence) {
+    std::string text = leaf;
+    CHECK_THROWS_WITH(parse_motion_plan(text.replace(text.find(from), from.size(), to), "motion.toml"),
+                      Catch::Contains(sentence));
+  };
+  refuses("density = 1200", "density = 0.5", "does not begin to sink");
+  refuses("tilt = 0.2", "axis = 0.2", "which is missing");
+  refuses("[landing]\nx = 0\ny = 0\n", "", "[sequence] too");
+  named_file("early.csv", "t,x,y,z\n-2,0,0,2\n-1,0,0,0\n");
+  refuses(
+      "[landing]",
+      "[path]\nfile = \"" + (std::filesystem::temp_directory_path() / "early.csv").string() + "\"\n[landing]",
+      "ends at the time -1");
+  MotionPlan plan = sequence_plan();
+  plan.database = plate_motions();
+  plan.fixed["inertia_ratio"] = 1.4;
+  plan.sequence = read_text("length = 2");
+  CHECK_THROWS_WITH(plan_motion(plan), Catch::Contains("inertia_ratio = 1.3"));
+}
