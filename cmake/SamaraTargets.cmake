@@ -131,6 +131,10 @@ function(samara_compile_options target)
   set_target_properties(${target} PROPERTIES SAMARA_OWN_TARGET ON)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
     $<$<BOOL:${SAMARA_WARNINGS_AS_ERRORS}>:-Werror>)
+  if(SAMARA_UNITY_BUILD)
+    # Garbage that GCC collects before it holds 1 GB costs a tenth of the time of a build.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1048576>)
+  endif()
   if(SAMARA_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SAMARA_SANITIZE} -fno-omit-frame-pointer
       -fno-sanitize-recover=all)

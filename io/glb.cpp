@@ -251,7 +251,8 @@ std::string format_usda(const AnimatedScene& scene) {
     const AnimatedBody& body = scene.bodies[b];
     const Eigen::Matrix4Xd rotations = with_near_signs(body.rotations);
     text += fmt::format(
-        "    def Mesh \"body_{}\" (\n        inherits = </_shape>\n        displayName = {}\n        customData = "
+        "    def Mesh \"body_{}\" (\n        inherits = </_shape>\n        displayName = {}\n        "
+        "customData = "
         "{{\n            double start = {}\n        }}\n    )\n    {{\n",
         b, usda_text(body.name), body.times[0]);
     std::string places, turns;

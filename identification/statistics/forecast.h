@@ -10,8 +10,8 @@ namespace samara::identification {
 
 /// One way on: a hypothesis of an ambiguous attitude, or a baseline that has a share.
 struct ForecastComponent {
-  double weight = 1.0;                           ///< of all components 1 together
-  Eigen::MatrixXd mean = {};                     ///< times x outputs, in the outputs' units; NaN: nothing is said
+  double weight = 1.0;        ///< of all components 1 together
+  Eigen::MatrixXd mean = {};  ///< times x outputs, in the outputs' units; NaN: nothing is said
   std::vector<Eigen::MatrixXd> covariance = {};  ///< a time each: outputs x outputs
 };
 

@@ -37,12 +37,13 @@ std::string table(bool goes_on) {
 
 Capture read(const TestFiles& files, const std::string& name, bool goes_on) {
   files.put(name + ".csv", table(goes_on));
-  const auto sidecar = files.put(name + ".toml", fmt::format("file = \"{}.csv\"\n[columns]\n"
-                                                             "\"t[s]\" = {{ quantity = \"t\", unit = \"s\" }}\n"
-                                                             "\"x[m]\" = {{ quantity = \"x\", unit = \"m\" }}\n"
-                                                             "[clean]\nframe_grid = true\noutliers = 5\n"
-                                                             "bandwidth = \"0.3 s\"\n",
-                                                             name));
+  const auto sidecar =
+      files.put(name + ".toml", fmt::format("file = \"{}.csv\"\n[columns]\n"
+                                            "\"t[s]\" = {{ quantity = \"t\", unit = \"s\" }}\n"
+                                            "\"x[m]\" = {{ quantity = \"x\", unit = \"m\" }}\n"
+                                            "[clean]\nframe_grid = true\noutliers = 5\n"
+                                            "bandwidth = \"0.3 s\"\n",
+                                            name));
   return read_captures(sidecar).at(0);
 }
 
