@@ -22,8 +22,8 @@ using identification::BlimpMoment;
 const std::vector<std::vector<int>> kLeftOut = {
     {98, 126, 132, 138}, {120, 124, 130, 136}, {98, 122, 128, 134}};
 
-AskedMoment asked(const BlimpMoment& moment, int cluster) {
-  AskedMoment result{.moment = {.cluster = cluster, .seen = moment.seen, .next = moment.next},
+AskedMoment asked(const BlimpMoment& moment) {
+  AskedMoment result{.moment = {.cluster = moment.flight, .seen = moment.seen, .next = moment.next},
                      .time = moment.time};
   if (moment.model.allFinite()) result.model = moment.model;
   return result;
@@ -82,12 +82,12 @@ void blimp_cases(const Options& options) {
       for (const bool second : {false, true}) {
         for (const BlimpMoment& moment :
              identification::blimp_moments(halves_of(training, second), fits.without[second ? 1 : 0], ahead))
-          moments.push_back(asked(moment, 2 * moment.flight + (second ? 1 : 0)));
+          moments.push_back(asked(moment));
       }
       std::vector<AskedMoment> unseen;
       for (const BlimpMoment& moment : identification::blimp_moments(left_out, fits.all, ahead)) {
         if (is_spiral(flights, moment.flight) == name.starts_with("blimp_spiral"))
-          unseen.push_back(asked(moment, moment.flight));
+          unseen.push_back(asked(moment));
       }
       scores[name].push_back(score_split(fmt::format("{} split {}", name, split + 1), moments, unseen));
     }

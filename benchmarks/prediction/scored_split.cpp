@@ -29,6 +29,19 @@ AskedMoment moment_of(const identification::Window& window, int cluster, const E
 namespace {
 
 constexpr const char* kOurs = samara::identification::kMixture;
+constexpr const char* kWithoutBody = "mixture without the body";
+
+/// The same moments with a straight line in the place of the body: what a mixture reaches that knows none.
+std::vector<AskedMoment> without_body(std::vector<AskedMoment> moments) {
+  for (AskedMoment& asked : moments) {
+    if (asked.model.size() == 0) continue;
+    const Eigen::MatrixXd line =
+        samara::identification::predict(samara::identification::Baseline::straight_line, asked.moment.seen,
+                                        Eigen::VectorXd::Constant(1, asked.time));
+    if (line.allFinite()) asked.model = line.row(0);
+  }
+  return moments;
+}
 
 /// The plain baseline that is best by a score.
 const PredictionScore& best_plain(const SplitScores& split, double PredictionScore::*score) {
@@ -40,16 +53,19 @@ const PredictionScore& best_plain(const SplitScores& split, double PredictionSco
   return *best;
 }
 
+void add_forecast(const SaidForecast& said, const samara::identification::TrainingMoment& moment,
+                  PredictionTally& tally) {
+  tally.add(samara::identification::prediction_distances(said.mean, moment.next), moment.cluster);
+  for (std::size_t c = 0; c < said.parts.size(); ++c)
+    tally.add_forecast(said.parts[c], moment.next[static_cast<Eigen::Index>(c)]);
+}
+
 void add_scores(const std::string& name, const TrainedForecasts& trained,
                 const std::vector<AskedMoment>& unseen, std::map<std::string, PredictionTally>& tallies) {
   for (const AskedMoment& asked : unseen) {
-    const Eigen::RowVectorXd& next = asked.moment.next;
-    for (const SaidForecast& said : trained.say(asked)) {
-      PredictionTally& tally = tallies.try_emplace(said.predictor, said.predictor, name).first->second;
-      tally.add(samara::identification::prediction_distances(said.mean, next), asked.moment.cluster);
-      for (std::size_t c = 0; c < said.parts.size(); ++c)
-        tally.add_forecast(said.parts[c], next[static_cast<Eigen::Index>(c)]);
-    }
+    for (const SaidForecast& said : trained.say(asked))
+      add_forecast(said, asked.moment,
+                   tallies.try_emplace(said.predictor, said.predictor, name).first->second);
   }
 }
 
@@ -63,6 +79,13 @@ SplitScores score_split(const std::string& name, const std::vector<Questioned>& 
     for (const auto& share : trained.shares()) fmt::print(stderr, " {:.2f} {}", share.share, share.predictor);
     fmt::print(stderr, "\n");
     add_scores(name, trained, part.unseen, tallies);
+    PredictionTally& without = tallies.try_emplace(kWithoutBody, kWithoutBody, name).first->second;
+    const TrainedForecasts bodiless = TrainedForecasts::train(without_body(part.training), kInSpace);
+    for (const AskedMoment& asked : without_body(part.unseen)) {
+      for (const SaidForecast& said : bodiless.say(asked)) {
+        if (said.predictor == kOurs) add_forecast(said, asked.moment, without);
+      }
+    }
   }
   SplitScores result;
   for (const auto& [predictor, tally] : tallies) {
@@ -78,6 +101,9 @@ SplitScores score_split(const std::string& name, const std::vector<Questioned>& 
   const auto behind = tallies.at(kOurs).behind(tallies.at(best.predictor));
   fmt::print(stderr, "  median less that of {}: {:.2f} +- {:.2f} mm\n", best.predictor, 1e3 * behind.value,
              1e3 * behind.error);
+  const auto by_body = tallies.at(kOurs).behind(tallies.at(kWithoutBody));
+  fmt::print(stderr, "  median less that of the {}: {:.2f} +- {:.2f} mm\n", kWithoutBody, 1e3 * by_body.value,
+             1e3 * by_body.error);
   return result;
 }
 
@@ -96,6 +122,19 @@ void report(const std::string& test_case, const std::vector<SplitScores>& splits
   worst_by("median", &PredictionScore::median);
   worst_by("rms", &PredictionScore::rms);
   worst_by("crps", &PredictionScore::crps);
+  // What the body brings, beside what training motions do without it.
+  const auto worst_of = [&](const char* metric, const char* predictor, double PredictionScore::*score) {
+    Measurement worst{kBench, test_case, metric, 0.0, "m"};
+    for (const SplitScores& split : splits) {
+      const double value = split.of.at(predictor).*score;
+      if (!(value <= worst.value)) worst.value = value;
+    }
+    print(worst);
+  };
+  worst_of("median_without_body", kWithoutBody, &PredictionScore::median);
+  worst_of("crps_without_body", kWithoutBody, &PredictionScore::crps);
+  worst_of("median_autoregression", samara::identification::kAutoregression, &PredictionScore::median);
+  worst_of("median_body", "model", &PredictionScore::median);
   double coverage = 0.9;
   for (const SplitScores& split : splits) {
     const double here = split.of.at(kOurs).coverage90;

@@ -27,6 +27,7 @@ class MotionForecasts;
 struct CapturePrediction {
   std::string file = {}, motion = {};  ///< of the capture, also of its spans: its file and id
   std::string part = {};               ///< id of the capture, or of the span
+  int cluster = 0;                     ///< motions that may resemble each other have the same
   SeenMotion seen = {};
   SeenTurn turn = {};                      ///< empty where no attitudes are predicted
   Eigen::VectorXd times = {};              ///< since the first frame

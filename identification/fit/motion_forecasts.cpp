@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -36,16 +35,12 @@ MotionForecasts::MotionForecasts(std::span<const Quantity> compared,
                                  std::span<const CapturePrediction> predictions,
                                  const PredictionOptions& prediction)
     : compared_(compared.begin(), compared.end()), prediction_(prediction), trained_(compared.size()) {
-  std::map<std::string, int> clusters;
-  for (const CapturePrediction& one : predictions)
-    clusters.try_emplace(one.motion, static_cast<int>(clusters.size()));
   for (std::size_t q = 0; q < compared_.size(); ++q) {
     if (compared_[q].is_attitude || compared_[q].period != 0.0 || predictions.empty()) continue;
     std::vector<std::vector<AskedMoment>> moments(kSlots);
     for (const CapturePrediction& one : predictions) {
       for (Eigen::Index frame = 0; frame < one.times.size(); ++frame)
-        moments[slot_of(one.times[frame])].push_back(
-            asked(one, compared_[q], frame, clusters.at(one.motion)));
+        moments[slot_of(one.times[frame])].push_back(asked(one, compared_[q], frame, one.cluster));
     }
     for (const std::vector<AskedMoment>& slot : moments)
       trained_[q].push_back(TrainedForecasts::train(slot, compared_[q].components));

@@ -31,7 +31,7 @@ SeenMotion seen_of(const CapturePrediction& one, const Quantity& quantity);
 /// Of each quantity but the attitude and those with a period, for each tenth of the way ahead.
 class MotionForecasts {
  public:
-  /// @param predictions of training captures, each by a fit that has not seen it; motions are clusters
+  /// @param predictions of training captures, each by a fit that has not seen it
   MotionForecasts(std::span<const Quantity> compared, std::span<const CapturePrediction> predictions,
                   const PredictionOptions& prediction);
 

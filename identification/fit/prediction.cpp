@@ -170,9 +170,15 @@ struct PredictedCaptures {
     named.insert(named.end(), captures.begin(), captures.end());
   }
 
+  /// @param other of other clusters, which go on in number
   void add(PredictedCaptures other) {
     if (!other.compared.empty()) compared = std::move(other.compared);
-    for (CapturePrediction& one : other.predictions) predictions.push_back(std::move(one));
+    int first = 0;
+    for (const CapturePrediction& one : predictions) first = std::max(first, one.cluster + 1);
+    for (CapturePrediction& one : other.predictions) {
+      one.cluster += first;
+      predictions.push_back(std::move(one));
+    }
     for (const auto& [reason, captures] : other.lacks) add_lack(reason, captures);
     for (std::string& sentence : other.sentences) sentences.push_back(std::move(sentence));
     for (std::string& sentence : other.shares) shares.push_back(std::move(sentence));
@@ -188,10 +194,21 @@ std::string lack_sentence(const std::string& reason, const std::vector<std::stri
                      fmt::join(captures.begin() + 1, captures.end(), "\", \""));
 }
 
+/// By the fit's labels; where a capture left out lacks one, each motion by itself.
+std::vector<int> clusters_left_out(std::span<const Capture> left_out,
+                                   const std::vector<std::string>& cluster_by) {
+  const bool has_labels = std::ranges::all_of(left_out, [&](const Capture& capture) {
+    return std::ranges::all_of(cluster_by, [&](const std::string& l) { return capture.labels.contains(l); });
+  });
+  return clusters_of(left_out, has_labels ? cluster_by : std::vector<std::string>{});
+}
+
 /// What the captures left out can show.
+/// @param clusters of each
 void add_capture_predictions(const models::TrajectoryFamily& family, std::span<const Capture> left_out,
-                             const PredictedOutputs& predicted, const FitOptions& held,
-                             const PredictionOptions& prediction, PredictedCaptures& outcome) {
+                             const std::vector<int>& clusters, const PredictedOutputs& predicted,
+                             const FitOptions& held, const PredictionOptions& prediction,
+                             PredictedCaptures& outcome) {
   std::vector<CapturePrediction> all(left_out.size());
   parallel_for(left_out.size(), [&](std::size_t k) {
     all[k] = predict_capture(family, left_out[k], predicted, held, prediction);
@@ -201,6 +218,7 @@ void add_capture_predictions(const models::TrajectoryFamily& family, std::span<c
   int failures = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const std::string& id = left_out[k].id;
+    all[k].cluster = clusters[k];
     if (!all[k].lack.empty()) {
       outcome.add_lack(all[k].lack, {id});
       continue;
@@ -238,7 +256,8 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
   const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
   const std::vector<Capture> parts = cut(left_out, predicted, prediction);
   PredictedCaptures outcome{.compared = quantities(predicted, options)};
-  add_capture_predictions(family, parts, predicted, held, prediction, outcome);
+  add_capture_predictions(family, parts, clusters_left_out(parts, options.uncertainty.cluster_by), predicted,
+                          held, prediction, outcome);
   return outcome;
 }
 

@@ -80,10 +80,11 @@ class Tallies {
 
   /// @param distances frame by frame, of one capture
   /// @param last of them; may be empty
+  /// @param cluster of the capture
   void add(std::size_t quantity, std::size_t predictor, const std::vector<double>& distances,
-           const std::vector<double>& last) {
-    all_[quantity * predictors_ + predictor].add(distances);
-    last_[quantity * predictors_ + predictor].add(last);
+           const std::vector<double>& last, int cluster) {
+    all_[quantity * predictors_ + predictor].add(distances, cluster);
+    last_[quantity * predictors_ + predictor].add(last, cluster);
   }
 
   /// One number of a distribution that was forecast.
@@ -188,7 +189,7 @@ void tally_trained(const CapturePrediction& one, const std::vector<Predictor>& p
   }
   for (std::size_t p = 0; p < predictors.size(); ++p) {
     for (Tallies* const each : tallies) {
-      if (predictors[p].is_trained) each->add(quantity, p, all[p], last[p]);
+      if (predictors[p].is_trained) each->add(quantity, p, all[p], last[p], one.cluster);
     }
   }
 }
@@ -245,7 +246,7 @@ void tally(const CapturePrediction& one, const std::vector<Predictor>& predictor
       const auto all = distances_of(one, compared[k], values, attitudes, frames);
       const auto last =
           distances_of(one, compared[k], values, attitudes, reaches_end(one, prediction) ? 1 : 0);
-      for (Tallies* const each : tallies) each->add(k, p, all, last);
+      for (Tallies* const each : tallies) each->add(k, p, all, last, one.cluster);
     }
   }
   for (std::size_t k = 0; one.trained && k < compared.size(); ++k)
