@@ -64,7 +64,8 @@ Score score_capture(const std::shared_ptr<const models::Model>& model, const Fol
   Follower follower(model, options);
   const Eigen::MatrixXd values = frames_of(follower, capture);
   std::vector<double> periods;
-  for (const SeenOutput& output : FollowedModel(model, options).measured()) periods.push_back(output.period);
+  const FollowedModel followed(model, options);
+  for (const SeenOutput& output : followed.measured()) periods.push_back(output.period);
   const auto outputs = std::ssize(periods);
   Score score;
   double next_origin = 0.0;

@@ -25,26 +25,33 @@ SegmentChoices::SegmentChoices(const MotionPlan& plan)
                     "plan may change",
                     names.empty() ? "no coefficient" : join(names)));
   if (!plan.sequence) return;
-  for (const auto& [pattern, chain] : plan.sequence->of_pattern) {
+  for (const AskedSegment& asked : plan.sequence->segments) {
+    if (of_asked_.contains(key_of(asked))) continue;
     std::vector<Eigen::Index> segments;
     for (Eigen::Index n = 0; n < database_.segment_count(); ++n) {
-      const Eigen::Index run = database_.segments[static_cast<std::size_t>(n)].run;
-      if (database_.runs[static_cast<std::size_t>(run)].pattern == pattern) segments.push_back(n);
+      const MotionSegment& segment = database_.segments[static_cast<std::size_t>(n)];
+      const Pattern pattern = database_.runs[static_cast<std::size_t>(segment.run)].pattern;
+      if (asked.kind.value_or(segment.kind) == segment.kind && asked.pattern.value_or(pattern) == pattern)
+        segments.push_back(n);
     }
-    if (!segments.empty()) of_pattern_.emplace(pattern, SegmentTree(database_, std::move(segments)));
+    if (!segments.empty()) of_asked_.emplace(key_of(asked), SegmentTree(database_, std::move(segments)));
   }
 }
 
+SegmentChoices::Key SegmentChoices::key_of(const AskedSegment& asked) {
+  return {asked.kind, asked.pattern};
+}
+
 const SegmentTree* SegmentChoices::tree_of(const AskedSegment* asked) const {
-  if (asked == nullptr || !asked->pattern) return &tree_;
-  const auto found = of_pattern_.find(*asked->pattern);
-  return found == of_pattern_.end() ? nullptr : &found->second;
+  if (asked == nullptr || (!asked->kind && !asked->pattern)) return &tree_;
+  const auto found = of_asked_.find(key_of(*asked));
+  return found == of_asked_.end() ? nullptr : &found->second;
 }
 
 double SegmentChoices::distance(std::span<const double> state, const AskedSegment& asked) const {
   const SegmentTree* tree = tree_of(&asked);
   NearSegment near;
-  if (tree == nullptr || tree->nearest(state, {&near, 1}, asked.kind) == 0)
+  if (tree == nullptr || tree->nearest(state, {&near, 1}) == 0)
     return std::numeric_limits<double>::infinity();
   return near.distance;
 }
@@ -55,8 +62,7 @@ std::size_t SegmentChoices::propose(std::span<const double> state, const AskedSe
   if (tree == nullptr) return 0;
   std::array<NearSegment, SegmentTree::kMost> near;
   std::array<Eigen::Index, SegmentTree::kMost> runs;
-  const std::size_t found =
-      tree->nearest(state, near, asked != nullptr ? asked->kind : std::optional<EventKind>());
+  const std::size_t found = tree->nearest(state, near);
   std::size_t count = 0;
   for (std::size_t k = 0; k < found && count < targets.size(); ++k) {
     const Eigen::Index run = database_.segments[static_cast<std::size_t>(near[k].segment)].run;

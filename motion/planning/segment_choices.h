@@ -1,7 +1,9 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "samara/motion/database/segment_tree.h"
@@ -29,6 +31,8 @@ class SegmentChoices {
   double distance(std::span<const double> state, const AskedSegment& asked) const;
 
  private:
+  using Key = std::pair<std::optional<EventKind>, std::optional<Pattern>>;
+  static Key key_of(const AskedSegment& asked);
   const SegmentTree* tree_of(const AskedSegment* asked) const;
 
   const MotionDatabase& database_;
@@ -36,7 +40,7 @@ class SegmentChoices {
   std::vector<Eigen::Index>
       columns_;  ///< of the database's coefficients, per coefficient of the box; -1: none
   SegmentTree tree_;
-  std::map<Pattern, SegmentTree> of_pattern_;
+  std::map<Key, SegmentTree> of_asked_;  ///< of those that the plan's sequence asks for
 };
 
 }  // namespace samara::motion
