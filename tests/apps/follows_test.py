@@ -33,7 +33,7 @@ class Follows(Case):
         column = rows[0].index("x[m]")
         lines = ["t[s],x[m]"]
         for k, row in enumerate(rows[1:]):
-            lines.append(f"{row[0]},{change(k, float(row[column]) + 5e-4 * ((7 * k) % 5 - 2) / 1.4)}")
+            lines.append(f"{row[0]},{change(k, float(row[column]) + 5e-4 * ((7 * k + round(40 * speed)) % 5 - 2) / 1.4)}")
         return write(path.name, "\n".join(lines) + "\n")
 
     def fitted(self):

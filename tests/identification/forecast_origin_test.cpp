@@ -53,8 +53,16 @@ TEST_CASE("frames after the origin of a forecast change no bit of it, from file 
   const TestFiles files;
   const Capture back = read(files, "back", false), on = read(files, "on", true);
   // Cleaned with all frames they differ in what was seen: this is what may not show.
-  REQUIRE(std::isnan(back.channels[0].values[kBump]));
-  REQUIRE_FALSE(std::isnan(on.channels[0].values[kBump]));
+  const auto left_out = [](const Capture& capture) {
+    std::vector<int> frames;
+    for (int k = 0; k <= kBump; ++k) {
+      if (std::isnan(capture.channels[0].values[k])) frames.push_back(k);
+    }
+    return frames;
+  };
+  CAPTURE(left_out(back), left_out(on));
+  REQUIRE(left_out(back) == std::vector<int>{kBump});
+  REQUIRE(left_out(on) != left_out(back));
 
   const BrakedFamily family;
   FitOptions options = plain();
