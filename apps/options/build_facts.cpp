@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/version.h"
-#include "samara/codebooks/file/format_version.h"
+#include "samara/codebooks/file/file_format.h"
 #include "samara_commit.h"
 
 namespace samara::apps {

@@ -16,7 +16,7 @@
 #include "samara/base/version.h"
 #include "samara/codebooks/capi/handles.h"
 #include "samara/codebooks/capi/options.h"
-#include "samara/codebooks/file/format_version.h"
+#include "samara/codebooks/file/file_format.h"
 #include "samara/codebooks/file/load.h"
 
 namespace {

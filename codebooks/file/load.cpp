@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -14,8 +13,9 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/termination.h"
-#include "samara/codebooks/file/format_version.h"
+#include "samara/codebooks/file/certificate_format.h"
+#include "samara/codebooks/file/description_format.h"
+#include "samara/codebooks/file/file_format.h"
 #include "samara/codebooks/file/mesh_format.h"
 #include "samara/codebooks/file/piece_format.h"
 #include "samara/codebooks/model/model_file.h"
@@ -50,100 +50,6 @@ void check_version(const Hdf5Reader& file) {
   }
 }
 
-/// Numbers of a certificate. Those of one that is met are finite; else, errors may be infinite, and NaN where
-/// nothing was measured.
-struct CertificateNumbers {
-  const Hdf5Reader& file;
-  bool met = false;
-  bool measured = true;
-
-  double operator()(const std::string& path, const std::string& name) const {
-    const double value = file.number_attribute(path, name);
-    if (met && !std::isfinite(value))
-      throw file.error(path, fmt::format("{} is {}, expected a finite number where met is 1", name, value));
-    if (measured && std::isnan(value))
-      throw file.error(path, fmt::format("{} is nan, expected a number where integrations succeeded", name));
-    return value;
-  }
-};
-
-double finite_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
-  const double value = file.number_attribute(path, name);
-  if (!std::isfinite(value))
-    throw file.error(path, fmt::format("{} is {}, expected a finite number", name, value));
-  return value;
-}
-
-int count_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
-  const std::int64_t value = file.integer_attribute(path, name);
-  if (value < 0 || value > std::numeric_limits<int>::max())
-    throw file.error(path, fmt::format("{} is {}, expected a count", name, value));
-  return static_cast<int>(value);
-}
-
-bool read_met(const Hdf5Reader& file, const std::string& path) {
-  const std::int64_t met = file.integer_attribute(path, "met");
-  if (met != 0 && met != 1) throw file.error(path, fmt::format("met is {}, expected 0 or 1", met));
-  return met == 1;
-}
-
-Certificate read_certificate(const Hdf5Reader& file) {
-  const std::string path = "/certificate";
-  Certificate c;
-  c.tolerance = finite_attribute(file, path, "tolerance");
-  c.met = read_met(file, path);
-  c.points = count_attribute(file, path, "points");
-  c.times = count_attribute(file, path, "times");
-  if (file.has_attribute(path, "places")) c.places = count_attribute(file, path, "places");
-  c.failed_points = count_attribute(file, path, "failed_points");
-  if (file.has_attribute(path, "wrong_points")) {
-    c.wrong_points = count_attribute(file, path, "wrong_points");
-    if (*c.wrong_points > c.points || (c.met && *c.wrong_points > 0)) {
-      throw file.error(path,
-                       fmt::format("wrong_points is {}, expected {}", *c.wrong_points,
-                                   c.met ? "0 where met is 1" : fmt::format("at most points, {}", c.points)));
-    }
-  }
-  if (file.has_attribute(path, "climbed_points"))
-    c.climbed_points = count_attribute(file, path, "climbed_points");
-  if (file.has_attribute(path, "refuted_before"))
-    c.refuted_before = count_attribute(file, path, "refuted_before");
-  const CertificateNumbers number{file, c.met, c.failed_points < c.points};
-  c.max_error = number(path, "max_error");
-  if (c.met && !(c.max_error <= c.tolerance)) {
-    throw file.error(path, fmt::format("met is 1, but max_error {} is more than the tolerance {}",
-                                       c.max_error, c.tolerance));
-  }
-  const std::string seed = file.text_attribute(path, "seed");
-  const auto [rest, problem] = std::from_chars(seed.data(), seed.data() + seed.size(), c.seed);
-  if (problem != std::errc() || rest != seed.data() + seed.size())
-    throw file.error(path, fmt::format("seed is \"{}\", expected a whole number", seed));
-  c.integrator = file.text_attribute(path, "integrator");
-  c.integrator_tolerance = finite_attribute(file, path, "integrator_tolerance");
-  c.residual = number(path, "residual");
-  c.spent.discretisation = number(path, "spent_discretisation");
-  c.spent.compression = number(path, "spent_compression");
-  c.spent.nonlinearity = number(path, "spent_nonlinearity");
-  const CertificateNumbers square{file, false, number.measured};  // squares may overflow
-  if (file.has_attribute(path, "norm_defect_max") || file.has_attribute(path, "norm_defect_rms"))
-    c.norm_defect = {number(path, "norm_defect_max"), square(path, "norm_defect_rms")};
-  for (const std::string& name : file.children(path)) {
-    const std::string output = path + "/" + name;
-    OutputError o;
-    o.name = name;
-    o.unit = file.text_attribute(output, "units");
-    o.range = number(output, "range");
-    o.max = number(output, "max");
-    o.p95 = number(output, "p95");
-    o.mean = number(output, "mean");
-    o.rms = square(output, "rms");
-    o.max_si = number(output, "max_si");
-    o.worst = file.numbers_attribute(output, "worst");
-    c.outputs.push_back(std::move(o));
-  }
-  return c;
-}
-
 /// Outputs of the certificate in the order of the codebook; the file sorts them by name.
 void order_outputs(Certificate& certificate, const Codebook& book) {
   const auto place = [&](const OutputError& o) {
@@ -154,63 +60,6 @@ void order_outputs(Certificate& certificate, const Codebook& book) {
   };
   std::stable_sort(certificate.outputs.begin(), certificate.outputs.end(),
                    [&](const OutputError& a, const OutputError& b) { return place(a) < place(b); });
-}
-
-ModelDescription read_model(const Hdf5Reader& file) {
-  const std::string path = "/model";
-  ModelDescription model;
-  model.name = file.text_attribute(path, "name");
-  model.title = file.text_attribute(path, "title");
-  model.equations = file.text_attribute(path, "equations");
-  model.frames = file.text_attribute(path, "frames");
-  model.source = file.text_attribute(path, "source");
-  if (file.has_attribute(path, "definition")) {
-    try {
-      model.of_text =
-          read_equation_model(io::TomlTable::parse(file.text_attribute(path, "definition"), "definition"));
-    } catch (const InputError& error) {
-      throw file.error(path, fmt::format("holds equations that cannot be read: {}", error.what()));
-    }
-  }
-  for (const std::string& name : file.children(path + "/fixed")) {
-    model.fixed[name] = file.vector(path + "/fixed/" + name, {.rows = 1})[0];
-    model.fixed_units[name] = file.text_attribute(path + "/fixed/" + name, "units");
-  }
-  return model;
-}
-
-/// Older files have words of their own for some.
-Termination read_status(const Hdf5Reader& file, const std::string& path) {
-  static const std::map<std::string, Termination> older = {{"", Termination::failed},
-                                                           {"iteration limit", Termination::max_iterations},
-                                                           {"not determined", Termination::not_determined},
-                                                           {"stalled", Termination::stagnated},
-                                                           {"max_evaluations", Termination::max_calls}};
-  const std::string word = file.text_attribute(path, "status");
-  if (const std::optional<Termination> status = termination_of(word)) return *status;
-  if (const auto known = older.find(word); known != older.end()) return known->second;
-  throw file.error(path, fmt::format("status is \"{}\", which is no status of a build", word));
-}
-
-BuildRecord read_build(const Hdf5Reader& file) {
-  const std::string path = "/build";
-  BuildRecord build;
-  build.builder = file.text_attribute(path, "builder");
-  build.strategy = file.text_attribute(path, "strategy");
-  build.status = read_status(file, path);
-  build.message = file.text_attribute(path, "message");
-  build.evaluations = file.number_attribute(path, "evaluations");
-  build.grid_size = file.number_attribute(path, "grid_size");
-  build.iterations = static_cast<int>(file.integer_attribute(path, "iterations"));
-  build.rounds = static_cast<int>(file.integer_attribute(path, "rounds"));
-  return build;
-}
-
-Provenance read_provenance(const Hdf5Reader& file) {
-  const std::string path = "/provenance";
-  return {file.text_attribute(path, "generator"), file.text_attribute(path, "plan"),
-          file.text_attribute(path, "created"), file.text_attribute(path, "host"),
-          file.number_attribute(path, "build_seconds")};
 }
 
 /// A unit in the file against that of the model.

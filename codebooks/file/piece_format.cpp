@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/format_version.h"
+#include "samara/codebooks/file/file_format.h"
 
 namespace samara::codebooks {
 

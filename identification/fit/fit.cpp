@@ -22,9 +22,9 @@
 #include "samara/identification/solve/minimize.h"
 #include "samara/identification/solve/noise_levels.h"
 #include "samara/identification/solve/other_optima.h"
+#include "samara/identification/solve/starts/choose_start_states.h"
 #include "samara/identification/solve/starts/global_search.h"
 #include "samara/identification/solve/starts/start_point.h"
-#include "samara/identification/solve/starts/start_states.h"
 #include "samara/identification/solve/uncertainty.h"
 
 namespace samara::identification {
@@ -187,7 +187,7 @@ class Descents {
     if (equations == nullptr || !options_.segments.length) return best;
     for (int round = 1; round < options_.starts.rounds && best.status != FitStatus::failed; ++round) {
       FitPoint again = best.point;
-      find_start_states(*equations, problem_, residuals, again, true);
+      choose_start_states(*equations, problem_, residuals, again, true);
       MinimizeResult next = minimize(problem_, residuals, std::move(again), options_.solver.max_iterations);
       const int spent = best.iterations + next.iterations;
       const bool is_better =
@@ -205,7 +205,7 @@ class Descents {
     if (start == 0 && searched_) point.shared = searched_->shared;
     const models::ParametricModel* equations = family_.equations();
     if (equations != nullptr && options_.segments.length) {
-      find_start_states(*equations, problem_, residuals, point);
+      choose_start_states(*equations, problem_, residuals, point);
     }
     return point;
   }

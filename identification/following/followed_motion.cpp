@@ -115,10 +115,7 @@ void add_outputs(const models::ModelInfo& info, const FitResult& fitted, const C
 /// A normal distribution of what may lie anywhere in a box, or of what a prior says.
 FollowedStart start_in(const FitOptions& setup, const std::string& name) {
   const auto prior = setup.priors.coordinates.find(name);
-  if (prior != setup.priors.coordinates.end()) {
-    const Prior& known = prior->second;
-    return {known.mean, known.logarithmic ? known.mean * known.deviation : known.deviation};
-  }
+  if (prior != setup.priors.coordinates.end()) return {prior->second.mean, standard_deviation(prior->second)};
   const auto box = setup.unknowns.box.find(name);
   if (box == setup.unknowns.box.end())
     throw ArgumentError(fmt::format("the fit has no box of \"{}\"; one was expected", name));

@@ -8,6 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/problem/measurement.h"
+#include "samara/identification/problem/prior_formats.h"
 #include "samara/io/toml_document.h"
 
 namespace samara::identification {
@@ -234,23 +235,6 @@ std::map<std::string, KnownValue> read_known(const TomlTable& root, const Units&
   return known;
 }
 
-std::map<std::string, Prior> read_priors(const TomlTable& root, const Units& coordinates) {
-  root.expect_keys(names_of(coordinates));
-  std::map<std::string, Prior> priors;
-  for (const std::string& name : root.keys()) {
-    const TomlTable table = root.table(name);
-    table.expect_keys({"mean", "deviation", "logarithmic"});
-    Prior prior{.mean = table.quantity("mean", coordinates.at(name)),
-                .logarithmic = table.optional_boolean("logarithmic").value_or(false)};
-    prior.deviation =
-        prior.logarithmic ? table.number("deviation") : table.difference("deviation", coordinates.at(name));
-    require_positive_key(table, "deviation", prior.deviation);
-    if (prior.logarithmic) require_positive_key(table, "mean", prior.mean);
-    priors[name] = prior;
-  }
-  return priors;
-}
-
 std::map<std::string, double> read_periods(const TomlTable& table, const Units& outputs) {
   table.expect_keys(names_of(outputs));
   std::map<std::string, double> periods;
@@ -339,7 +323,12 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
     options.loss.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
   if (root.has("noise")) options.noise = read_noise(root, names.outputs);
   options.unknowns = read_unknowns(root, names, of_model);
-  if (root.has("priors")) options.priors.coordinates = read_priors(root.table("priors"), names.coordinates);
+  if (root.has("priors")) {
+    const TomlTable priors = root.table("priors");
+    priors.expect_keys(names_of(names.coordinates));
+    for (const std::string& name : priors.keys())
+      options.priors.coordinates[name] = read_prior(priors.table(name), names.coordinates.at(name));
+  }
   if (root.has("camera")) options.camera = read_camera(root, names.outputs);
   if (root.has("segments")) options.segments = read_segments(root);
   options.starts = read_starts(root, names.coordinates);

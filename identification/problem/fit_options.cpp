@@ -70,17 +70,6 @@ void validate(const MeasurementOptions& measurement) {
   }
 }
 
-void validate(const PriorOptions& priors) {
-  for (const auto& [name, prior] : priors.coordinates) {
-    require_positive(prior.deviation, fmt::format("the deviation of the prior of \"{}\"", name));
-    if (prior.logarithmic) require_positive(prior.mean, fmt::format("the mean of the prior of \"{}\"", name));
-    require(std::isfinite(prior.mean), fmt::format("the mean of the prior of \"{}\"", name), prior.mean,
-            "a finite number");
-  }
-  for (const CombinationPrior& prior : priors.combinations)
-    require_positive(prior.deviation, "the deviation of a combination");
-}
-
 void validate(const SegmentOptions& segments) {
   if (segments.length) require_positive(*segments.length, "segments.length");
   if (segments.stages.empty())

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "samara/base/progress.h"
+#include "samara/identification/problem/priors.h"
 #include "samara/identification/statistics/loss.h"
 #include "samara/models/trajectories/interval.h"
 #include "samara/models/trajectories/trajectory_family.h"
@@ -88,21 +89,6 @@ struct KnownValue {
   KnownValue(const char* of_label) : label(of_label) {}
 };
 
-/// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.
-struct Prior {
-  double mean = 0.0;       ///< SI; the median if logarithmic
-  double deviation = 1.0;  ///< standard deviation, SI; of the logarithm if logarithmic: 0.1 is 10 %
-  bool logarithmic = false;
-};
-
-/// What is known beforehand of a sum of shared coordinates: it is normal. Differences of neighbours in a row
-/// of coordinates make the row smooth.
-struct CombinationPrior {
-  std::map<std::string, double> weights = {};  ///< by name; of SI values
-  double mean = 0.0;                           ///< of the weighted sum
-  double deviation = 1.0;
-};
-
 /// What of the captures is compared with the model.
 struct ComparisonOptions {
   /// s: only this much of each capture, from its first frame. Empty: all of it.
@@ -138,15 +124,6 @@ struct UnknownOptions {
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
   /// has a translation symmetry and whose initial value is not a coordinate.
   std::optional<std::vector<std::string>> offsets = {};
-};
-
-/// What is known of unknowns before the captures are seen.
-struct PriorOptions {
-  /// By coordinate: of shared ones, and of those of each capture's own. There the prior is the same for every
-  /// capture, and holds where its first segment starts. Of known coordinates: for captures left out that lack
-  /// the value.
-  std::map<std::string, Prior> coordinates = {};
-  std::vector<CombinationPrior> combinations = {};
 };
 
 /// Multiple shooting: every capture is cut into segments with a start state of each own. That a segment ends

@@ -13,7 +13,7 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/chart.h"
 #include "samara/identification/problem/fit_options.h"
-#include "samara/identification/problem/priors.h"
+#include "samara/identification/problem/prior_terms.h"
 #include "samara/models/trajectories/trajectory_family.h"
 
 /// A fit with all names resolved; internal to identification/.

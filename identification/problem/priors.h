@@ -1,48 +1,40 @@
 #pragma once
 
+#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "samara/identification/problem/fit_options.h"
-
-/// Internal to identification/: what is known of unknowns beforehand, as residuals beside those of the frames.
+/// What is known of unknowns beforehand. As residuals priors stand in prior_terms.h, as text in prior_formats.h.
 namespace samara::identification {
 
-struct FitProblem;
-
-/// One residual: (sum of weight * unknown - mean)/deviation, or log(unknown/mean)/deviation. All parts of a
-/// fit that know of priors go through it.
-class PriorTerm {
- public:
-  struct Weight {
-    int unknown = 0;
-    double weight = 1.0;
-  };
-
-  /// Of one unknown.
-  PriorTerm(int unknown, const Prior& prior);
-  /// Of a weighted sum of unknowns.
-  PriorTerm(std::vector<Weight> sum, double mean, double deviation);
-
-  const std::vector<Weight>& weights() const { return weights_; }
-  double residual(const double* unknowns) const;
-  /// d residual/d(weighted sum): times a weight, the derivative by an unknown.
-  double slope(const double* unknowns) const;
-  /// The same prior with its mean moved by so many deviations.
-  PriorTerm moved(double deviations) const;
-
- private:
-  double sum(const double* unknowns) const;
-
-  std::vector<Weight> weights_;
-  double mean_, deviation_;
-  bool logarithmic_ = false;
+/// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.
+struct Prior {
+  double mean = 0.0;       ///< SI; the median if logarithmic
+  double deviation = 1.0;  ///< standard deviation, SI; of the logarithm if logarithmic: 0.1 is 10 %
+  bool logarithmic = false;
 };
 
-/// Those of the options into the problem: first the single coordinates, then combinations.
-/// @throws ArgumentError for a prior of what is not free or part of an attitude, for one outside its meaning,
-/// and for a combination of what is not shared.
-void add_priors(const FitOptions& options, FitProblem& problem);
+/// Of the value itself, SI: of a logarithmic prior to first order in its deviation.
+double standard_deviation(const Prior& prior);
+
+/// What is known beforehand of a sum of shared coordinates: it is normal. Differences of neighbours in a row
+/// of coordinates make the row smooth.
+struct CombinationPrior {
+  std::map<std::string, double> weights = {};  ///< by name; of SI values
+  double mean = 0.0;                           ///< of the weighted sum
+  double deviation = 1.0;
+};
+
+/// What is known of unknowns before the captures are seen.
+struct PriorOptions {
+  /// By coordinate: of shared ones, and of those of each capture's own. There the prior is the same for every
+  /// capture, and holds where its first segment starts. Of known coordinates: for captures left out that lack
+  /// the value.
+  std::map<std::string, Prior> coordinates = {};
+  std::vector<CombinationPrior> combinations = {};
+};
+
+/// @throws ArgumentError naming the deviation or mean that is none.
+void validate(const PriorOptions& priors);
 
 }  // namespace samara::identification

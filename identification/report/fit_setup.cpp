@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "samara/identification/problem/prior_formats.h"
+
 namespace samara::identification {
 
 namespace {
@@ -48,11 +50,8 @@ FitOptions setup_of(const ParsedJson& object) {
   for (const auto& name : object.at("known").get<Names>()) setup.unknowns.known.emplace(name, name);
   for (const auto& [name, interval] : object.at("box").items())
     setup.unknowns.box[name] = {interval.at(0).get<double>(), interval.at(1).get<double>()};
-  for (const auto& [name, prior] : object.at("priors").items()) {
-    setup.priors.coordinates[name] = {.mean = prior.at("mean").get<double>(),
-                                      .deviation = prior.at("deviation").get<double>(),
-                                      .logarithmic = prior.at("logarithmic").get<bool>()};
-  }
+  for (const auto& [name, prior] : object.at("priors").items())
+    setup.priors.coordinates[name] = prior_of(prior);
   setup.camera = camera_of(object.at("camera"));
   setup.starts.round_body = object.at("round_body").get<bool>();
   return setup;
@@ -87,9 +86,7 @@ Json setup_json(const FitOptions& setup) {
   Json box = Json::object();
   for (const auto& [name, interval] : setup.unknowns.box) box[name] = {interval.lower, interval.upper};
   Json priors = Json::object();
-  for (const auto& [name, prior] : setup.priors.coordinates) {
-    priors[name] = {{"mean", prior.mean}, {"deviation", prior.deviation}, {"logarithmic", prior.logarithmic}};
-  }
+  for (const auto& [name, prior] : setup.priors.coordinates) priors[name] = prior_json(prior);
   return {{"outputs", setup.compared.outputs},
           {"averaged_frames", setup.compared.averaged_frames},
           {"periods", setup.compared.periods},

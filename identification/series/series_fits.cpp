@@ -34,8 +34,7 @@ FitOptions options_of_knots(FitOptions options, const SeriesKnots& knots) {
     options.unknowns.box.erase(name);
     if (const auto prior = options.priors.coordinates.extract(name)) {
       const Prior& known = prior.mapped();
-      CombinationPrior mean{.mean = known.mean,
-                            .deviation = known.logarithmic ? known.mean * known.deviation : known.deviation};
+      CombinationPrior mean{.mean = known.mean, .deviation = standard_deviation(known)};
       for (const std::string& knot : names) mean.weights[knot] = 1.0 / knots.count();
       options.priors.combinations.push_back(std::move(mean));
     }

@@ -8,8 +8,8 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"
-#include "samara/identification/solve/starts/kinematic_start.h"
 #include "samara/identification/solve/starts/start_point.h"
+#include "samara/identification/solve/starts/states_from_frames.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/ambient_flow.h"
 #include "samara/models/laws/registry.h"
@@ -192,8 +192,8 @@ TEST_CASE("first offsets count from where the equations start") {
       reference_trajectories(find_model("vertical_fall"), held, {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}});
   const FitProblem problem =
       make_problem(family->info(), std::vector{coin_capture("a", 1.3, 0.1, 0.05)}, in_segments(1.0));
-  const auto starts = kinematic_start(*family->equations(), problem, problem.motions.at(0),
-                                      Eigen::VectorXd::Constant(1, 1.3), {.degree = 4, .frames = 15});
+  const auto starts = states_from_frames(*family->equations(), problem, problem.motions.at(0),
+                                         Eigen::VectorXd::Constant(1, 1.3), {.degree = 4, .frames = 15});
   // A polynomial through 15 frames of 17 ms each.
   CHECK_THAT(starts.at(0)[1], WithinAbs(0.05 - 0.5, 1e-4));
 }

@@ -209,7 +209,7 @@ class Reference(unittest.TestCase):
 
     READERS = {
         "docs/reference/plan.md": ["codebooks/plan/*.cpp", "codebooks/model/model_file.cpp"],
-        "docs/reference/fit_config.md": ["identification/problem/fit_config.cpp", "identification/series/series_config.cpp",
+        "docs/reference/fit_config.md": ["identification/problem/fit_config.cpp", "identification/problem/prior_formats.cpp", "identification/series/series_config.cpp",
                                          "identification/fit/prediction_config.cpp"],
         "docs/reference/sidecar.md": ["identification/captures/sidecar.cpp"],
         "docs/reference/sweep.md": ["motion/sweeps/sweep_plan.cpp"],
@@ -230,7 +230,7 @@ class Reference(unittest.TestCase):
     # Where the defaults stand in the code; keys that have another name there; those whose default depends on other keys.
     DEFAULTS = {
         "docs/reference/plan.md": ["codebooks/plan/plan.h"],
-        "docs/reference/fit_config.md": ["identification/problem/fit_options.h"],
+        "docs/reference/fit_config.md": ["identification/problem/fit_options.h", "identification/problem/priors.h"],
     }
     OTHER_NAMES = {"starts": "count", "bootstrap": "replicates", "posterior": "samples", "scale": "length_scale"}
     DEPEND = {"max_nodes", "max_rank", "guards", "absolute", "initial"}

@@ -10,7 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
-#include "samara/identification/solve/starts/start_states.h"
+#include "samara/identification/solve/starts/choose_start_states.h"
 
 namespace samara::identification {
 

@@ -10,15 +10,15 @@
 namespace samara::identification {
 
 /// Start states of all segments, the shared unknowns held at `point`. Captures smoothed in several ways give
-/// candidates (kinematic_start.h); each segment keeps the one from which its own frames are met best. A
+/// candidates (states_from_frames.h); each segment keeps the one from which its own frames are met best. A
 /// segment that is met much worse than the others grows from its first frames to all of them.
 ///
 /// @param equations with the coordinates of the family free, in their order
 /// @param residuals one per segment; scratch
 /// @param point its own unknowns are replaced
 /// @param also_point its own unknowns are candidates too
-void find_start_states(const models::ParametricModel& equations, const FitProblem& problem,
-                       std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point = false);
+void choose_start_states(const models::ParametricModel& equations, const FitProblem& problem,
+                         std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point = false);
 
 /// The own unknowns of one segment alone, the shared ones held and joins ignored, by
 /// Levenberg and Marquardt.

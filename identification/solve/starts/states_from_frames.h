@@ -26,8 +26,9 @@ struct StartSmoothing {
 /// @param equations with the coordinates of the family free, in their order
 /// @param shared values of the shared unknowns
 /// @returns own unknowns, one vector per segment, within their boxes
-std::vector<Eigen::VectorXd> kinematic_start(const models::ParametricModel& equations,
-                                             const FitProblem& problem, const Motion& motion,
-                                             const Eigen::VectorXd& shared, const StartSmoothing& smoothing);
+std::vector<Eigen::VectorXd> states_from_frames(const models::ParametricModel& equations,
+                                                const FitProblem& problem, const Motion& motion,
+                                                const Eigen::VectorXd& shared,
+                                                const StartSmoothing& smoothing);
 
 }  // namespace samara::identification

@@ -1,4 +1,4 @@
-#include "samara/identification/solve/starts/start_states.h"
+#include "samara/identification/solve/starts/choose_start_states.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include "samara/base/parallel.h"
 #include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
-#include "samara/identification/solve/starts/kinematic_start.h"
+#include "samara/identification/solve/starts/states_from_frames.h"
 #include "samara/identification/statistics/loss.h"
 
 namespace samara::identification {
@@ -197,8 +197,8 @@ double minimize_own(const FitProblem& problem, SegmentResidual& residual, const 
   return cost;
 }
 
-void find_start_states(const models::ParametricModel& equations, const FitProblem& problem,
-                       std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point) {
+void choose_start_states(const models::ParametricModel& equations, const FitProblem& problem,
+                         std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point) {
   // Per smoothing and segment.
   std::vector<std::vector<Eigen::VectorXd>> candidates;
   const bool must_guess = problem.own_attitude && !problem.attitude_scale;
@@ -208,7 +208,7 @@ void find_start_states(const models::ParametricModel& equations, const FitProble
   for (const StartSmoothing& smoothing : smoothings) {
     std::vector<Eigen::VectorXd>& all = candidates.emplace_back();
     for (const Motion& motion : problem.motions) {
-      for (auto& own : kinematic_start(equations, problem, motion, point.shared, smoothing)) {
+      for (auto& own : states_from_frames(equations, problem, motion, point.shared, smoothing)) {
         all.push_back(std::move(own));
       }
     }

@@ -1,4 +1,4 @@
-#include "samara/identification/solve/starts/kinematic_start.h"
+#include "samara/identification/solve/starts/states_from_frames.h"
 
 #include <algorithm>
 #include <cmath>
@@ -326,9 +326,10 @@ class StateSearch {
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> kinematic_start(const models::ParametricModel& equations,
-                                             const FitProblem& problem, const Motion& motion,
-                                             const Eigen::VectorXd& shared, const StartSmoothing& smoothing) {
+std::vector<Eigen::VectorXd> states_from_frames(const models::ParametricModel& equations,
+                                                const FitProblem& problem, const Motion& motion,
+                                                const Eigen::VectorXd& shared,
+                                                const StartSmoothing& smoothing) {
   Eigen::VectorXd q = Eigen::VectorXd::Zero(std::ssize(problem.slots));
   family_point(problem, motion, shared.data(), middle_of_boxes(problem).data(), q);
   const Record record = record_of(problem, motion, q);
