@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "samara/models/fields/field_model.h"
 
@@ -32,12 +33,19 @@ double early_parabola(double tau, double s) {
   return value;
 }
 
-/// The same by sines, for tau from 0.1 on.
+/// The same by sines, for tau from 0.1 on. Terms end where their decay is below 1e-19.
 double late_parabola(double tau, double s) {
   constexpr double pi = std::numbers::pi;
+  constexpr double kNothing = 44.0;
+  const double step = 2.0 * std::cos(2.0 * pi * s);
+  double sine = std::sin(pi * s), sine_before = -sine;
   double value = 0.0;
-  for (int n = 1; n <= 9; n += 2)
-    value += 32.0 / std::pow(n * pi, 3) * std::sin(n * pi * s) * std::exp(-n * n * pi * pi * tau);
+  for (int n = 1; n <= 9; n += 2) {
+    const double decay = n * n * pi * pi * tau;
+    if (decay > kNothing) break;
+    value += 32.0 / (n * n * n * pi * pi * pi) * sine * std::exp(-decay);
+    sine_before = std::exchange(sine, step * sine - sine_before);  // of (n + 2) pi s
+  }
   return value;
 }
 
