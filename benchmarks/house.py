@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import time
 
-ROOMS = ["base", "io", "pgd", "models", "codebooks", "identification"]
+ROOMS = ["base", "io", "pgd", "models", "codebooks", "flow", "identification", "motion"]
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
