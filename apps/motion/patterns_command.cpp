@@ -239,10 +239,13 @@ std::string transitions_text(const motion::Transitions& all) {
   for (Eigen::Index i = 0; i < all.counts.rows(); ++i) {
     for (Eigen::Index j = 0; j < all.counts.cols(); ++j) {
       if (!std::isfinite(all.probability(i, j))) continue;
-      text += fmt::format("  {:<14} to {:<14} {:>6}  {:.2f} ({:.2f} to {:.2f}, 95 %)\n",
+      text += fmt::format("  {:<14} to {:<14} {:>6}  {:.2f} ({:.2f} to {:.2f}, 95 %)",
                           motion::pattern_names()[static_cast<std::size_t>(i)],
                           motion::pattern_names()[static_cast<std::size_t>(j)], all.counts(i, j),
                           all.probability(i, j), all.lower(i, j), all.upper(i, j));
+      if (std::isfinite(all.changes(i, j)))
+        text += fmt::format(", there after {:.1f} changes", all.changes(i, j));
+      text += "\n";
     }
   }
   return text.empty() ? "no fall changes its pattern\n" : "changes of pattern\n" + text;
@@ -257,7 +260,8 @@ Json transitions_json(const motion::Transitions& all) {
                       {"to", motion::pattern_names()[static_cast<std::size_t>(j)]},
                       {"count", all.counts(i, j)},
                       {"probability", all.probability(i, j)},
-                      {"interval", {all.lower(i, j), all.upper(i, j)}}});
+                      {"interval", {all.lower(i, j), all.upper(i, j)}},
+                      {"changes", number_or_null(all.changes(i, j))}});
     }
   }
   return list;
@@ -284,7 +288,10 @@ Json capture_json(const motion::LabelledMotion& capture) {
                        {"margin", number_or_null(window.label.margin)},
                        {"why", window.label.why}});
   }
-  return {{"id", capture.id}, {"left_out", capture.record.left_out}, {"windows", windows}};
+  return {{"id", capture.id},
+          {"left_out", capture.record.left_out},
+          {"attitude", capture.record.has_attitude()},
+          {"windows", windows}};
 }
 
 motion::PatternThresholds thresholds_of(const PatternsArguments& arguments) {

@@ -11,7 +11,6 @@
 #include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
 #include "samara/io/file_lock.h"
-#include "samara/models/trajectories/integrator_trajectories.h"
 #include "samara/motion/ghost/ghost_force.h"
 #include "samara/motion/pages/motion_page.h"
 #include "samara/motion/planning/motion_picture.h"
@@ -53,23 +52,23 @@ std::map<std::string, double> others(const motion::MotionPlan& plan) {
   return fixed;
 }
 
-/// The motion as everybody else would get it: from the file of its course.
+/// What a .glb or .usda shows; nothing of another output.
+Animation animation_of(const SynthesizeArguments& arguments, const motion::MotionPlan& plan) {
+  if (!names_animation(arguments.output)) return {};
+  const models::ModelInfo& info = plan.model->info();
+  return {.states = animated_states(info),
+          .body = animated_body(arguments.body, models::ParametricModel(plan.model, plan.fixed, {}), {}),
+          .model = info.name,
+          .parameters = plan.fixed,
+          .notes = {{"plan", plan.text}, {"seed", std::to_string(plan.search.seed)}}};
+}
+
+/// The motion itself: integrated again, a long one would be another.
 void write_motion(const SynthesizeArguments& arguments, const motion::MotionPlan& plan,
-                  const motion::MotionResult& motion, const codebooks::Codebook& book) {
+                  const motion::MotionResult& motion, const Animation& animation) {
   if (!names_animation(arguments.output))
     return io::write_text_atomically(arguments.output, states_csv(plan, motion));
-  const auto model = models::following(plan.model, identification::codebook_course(book, plan.model->info()));
-  const models::ParametricModel natural(plan.model, plan.fixed, {});
-  const auto family = models::integrator_trajectories(model, others(plan), {}, models::IntegrateOptions{});
-  write_animation(arguments.output,
-                  {.states = animated_states(plan.model->info()),
-                   .body = animated_body(arguments.body, natural, {}),
-                   .model = plan.model->info().name,
-                   .parameters = plan.fixed,
-                   .notes = {{"plan", plan.text}, {"seed", std::to_string(plan.search.seed)}},
-                   .from = 0.0,
-                   .to = motion.end,
-                   .family = family.get()});
+  write_animation(arguments.output, animation, plan.model->info(), motion.times, motion.states);
 }
 
 /// Where an interrupted search is kept. @throws ArgumentError for --resume without any
@@ -100,6 +99,7 @@ int run(const SynthesizeArguments& arguments) {
   const motion::MotionPlan plan = motion::read_motion_plan(arguments.plan);
   warn_of_parameters(*plan.model, plan.fixed);
   const io::FileLock lock(arguments.output + ".lock", fmt::format("synthesizes {}", arguments.output));
+  const Animation animation = animation_of(arguments, plan);
   const motion::PlanningOptions options = planning_options(arguments);
   const motion::MotionResult motion = plan_motion(plan, options);
   clear_progress();
@@ -109,8 +109,8 @@ int run(const SynthesizeArguments& arguments) {
   const codebooks::Codebook book =
       course_codebook(*motion.course, plan.model->info(), others(plan), motion.end);
   if (!arguments.course.empty()) codebooks::save(book, arguments.course);
-  write_motion(arguments, plan, motion, book);
   if (!arguments.csv.empty()) io::write_text_atomically(arguments.csv, states_csv(plan, motion));
+  write_motion(arguments, plan, motion, animation);
   const models::ParametricModel declared(
       models::following(plan.model, identification::codebook_course(book, plan.model->info())), others(plan),
       {});
@@ -124,9 +124,10 @@ int run(const SynthesizeArguments& arguments) {
     print(motion::motion_json(plan, motion, ghost));
   } else {
     print(fmt::format(
-        "{}: {}\non the way {:.4g}, {} knots; invisible force at most {:.2g} net weights, torque {:.2g}\n",
+        "{}: {}\non the way {:.4g}, {} knots; invisible force at most {:.2g} net weights, torque {:.2g}\n"
+        "who replays the course by CVODES stays within a tenth of a semi-length up to {:.4g}\n",
         to_string(motion.status), motion.message, motion.end, motion.course->knots().size(),
-        ghost.declared.force_sizes.max, ghost.declared.torque_sizes.max));
+        ghost.declared.force_sizes.max, ghost.declared.torque_sizes.max, motion.replayed_until));
   }
   if (motion.status == motion::MotionStatus::found) return kDone;
   warn(fmt::format("{}: the motion is written all the same", motion.message));

@@ -54,6 +54,22 @@ io::AnimatedBody body_of(const models::PoseKeys& keys) {
   return body;
 }
 
+models::PoseKeyLimits limits_of(const Animation& animation) {
+  return {.distance = 8e-4 * 2.0 * animation.body.vertices.colwise().norm().maxCoeff()};
+}
+
+void write_keys(const std::string& path, const Animation& animation, const models::PoseKeys& keys) {
+  io::AnimatedScene scene{.name = animation.model,
+                          .vertices = animation.body.vertices,
+                          .triangles = animation.body.triangles,
+                          .bodies = {body_of(keys)},
+                          .notes = animation.notes,
+                          .parameters = animation.parameters};
+  scene.notes.insert(scene.notes.begin(), {"model", animation.model});
+  const bool is_glb = std::filesystem::path(path).extension() == ".glb";
+  io::write_text_atomically(path, is_glb ? io::format_glb(scene) : io::format_usda(scene));
+}
+
 }  // namespace
 
 bool names_animation(const std::string& path) {
@@ -90,28 +106,35 @@ int write_animation(const std::string& path, const Animation& animation) {
     throw NoResultError(outcome.message);
   }
   const double to = outcome ? animation.to : outcome.reached;
-  const double size = 2.0 * animation.body.vertices.colwise().norm().maxCoeff();
-  const models::PoseKeyLimits limits{.distance = 8e-4 * size};
   const models::PoseKeys keys =
       models::dense_pose_keys([&](const std::vector<double>& times) { return poses_of(animation, times); },
-                              animation.from, to, limits);
+                              animation.from, to, limits_of(animation));
   if (!keys.is_dense) {
     throw NoResultError(
         fmt::format("the motion needs more than {} keys to be within {:.1g} of its body and half a degree",
-                    limits.most, 1e-3));
+                    limits_of(animation).most, 1e-3));
   }
-  io::AnimatedScene scene{.name = animation.model,
-                          .vertices = animation.body.vertices,
-                          .triangles = animation.body.triangles,
-                          .bodies = {body_of(keys)},
-                          .notes = animation.notes,
-                          .parameters = animation.parameters};
-  scene.notes.insert(scene.notes.begin(), {"model", animation.model});
-  const bool is_glb = std::filesystem::path(path).extension() == ".glb";
-  io::write_text_atomically(path, is_glb ? io::format_glb(scene) : io::format_usda(scene));
+  write_keys(path, animation, keys);
   if (outcome) return kDone;
   warn(fmt::format("{}; the animation ends at t = {:.6g}", outcome.message, to));
   return is_outside ? kOutsideBox : kToleranceMissed;
+}
+
+void write_animation(const std::string& path, const Animation& animation, const models::ModelInfo& info,
+                     const Eigen::VectorXd& times, const Eigen::MatrixXd& states) {
+  std::vector<Eigen::Index> columns;
+  for (const std::string& name : animation.states.names)
+    columns.push_back(std::ranges::find(info.states, name, &models::StateInfo::name) - info.states.begin());
+  models::PoseTrack track(limits_of(animation));
+  for (Eigen::Index i = 0; i < times.size(); ++i) {
+    const Eigen::VectorXd numbers = states(i, columns);
+    track.add(times[i], animation.states.pose({numbers.data(), static_cast<std::size_t>(numbers.size())}));
+  }
+  const models::PoseKeys keys = track.keys();
+  if (!keys.is_dense)
+    throw NoResultError(
+        "between two steps of the motion the body turns so far that it cannot be shown: give a smaller step");
+  write_keys(path, animation, keys);
 }
 
 }  // namespace samara::apps

@@ -46,4 +46,11 @@ models::TriangleMesh animated_body(const ShownWords& words, const models::Parame
 /// at all; NoResultError for more than 200,000 keys
 int write_animation(const std::string& path, const Animation& animation);
 
+/// Of a motion whose states are there already, at times between which the body turns by less than 60 degrees; no family is
+/// asked.
+/// @param states times x states of `info`
+/// @throws NoResultError if it turns further
+void write_animation(const std::string& path, const Animation& animation, const models::ModelInfo& info,
+                     const Eigen::VectorXd& times, const Eigen::MatrixXd& states);
+
 }  // namespace samara::apps

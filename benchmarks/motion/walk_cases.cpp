@@ -11,7 +11,9 @@
 #include "motion/cases.h"
 #include "motion/joins.h"
 #include "motion/motion_databases.h"
+#include "samara/base/streams.h"
 #include "samara/models/batch/stepper.h"
+#include "samara/motion/chains/chain_check.h"
 
 namespace samara::benchmarks::motion_cases {
 
@@ -99,19 +101,49 @@ void run_planar_walks(const Options& options) {
   print({kMotion, kName, "kinds_kept_untried", untried, "1"});
 }
 
-/// Of two hundred bodies at once.
+/// Of two hundred bodies at once: planned kinds that come about, drawn ones that are had, and how the kinds are those of
+/// the chain: what an event's logarithm of probability falls short of that of its own draws.
 void run_crowd(const char* name, const motion::NextPieces& pieces, double time) {
-  for (const int tries : {0, 8}) {
-    motion::Bodies bodies(pieces, 200, {.ramp = pieces.ramp(), .tries = tries, .seed = 2301});
+  using Choice = motion::BodiesOptions::Choice;
+  const auto share = [](long some, long all) { return static_cast<double>(some) / static_cast<double>(all); };
+  const motion::MarkovChain& chain = pieces.chain();
+  const auto order = static_cast<std::size_t>(chain.order());
+  std::vector<std::vector<int>> own;
+  for (std::uint64_t n = 0; n < 200; ++n) {
+    Stream stream(2302, n);
+    own.push_back(chain.draw_sequence(1000, stream));
+  }
+  const double entropy = chain.log_likelihood(own, order);
+  for (const auto& [choice, tries] :
+       {std::pair(Choice::chain, 0), std::pair(Choice::chain, 8), std::pair(Choice::graph, 0)}) {
+    motion::Bodies bodies(pieces, 200,
+                          {.choice = choice, .ramp = pieces.ramp(), .tries = tries, .seed = 2301});
     for (Eigen::Index n = 0; n < 200; ++n) bodies.release(n, {0.0, 0.0, 0.0}, 0.0);
-    for (int k = 0; k < 100; ++k) bodies.advance(0.01 * time);
+    std::vector<std::vector<int>> kinds(200);
+    for (int k = 0; k < 1000; ++k) {
+      bodies.advance(0.001 * time);
+      for (const motion::BodyEvent& event : bodies.events())
+        kinds[static_cast<std::size_t>(event.body)].push_back(static_cast<int>(event.kind));
+    }
     const motion::BodyCounts& counts = bodies.counts();
-    const auto share = [](long some, long all) {
-      return static_cast<double>(some) / static_cast<double>(all);
-    };
+    const motion::ChainCheck worth = motion::check(chain, kinds);
+    const double loss = entropy - worth.log_likelihood;
+    std::cerr << fmt::format(
+        "{}: by the {}, {} tries: {} events, {} not finite, {:.4f} of kinds kept; {:.3f} of draws had, "
+        "{:.3f} "
+        "drawn again; {:.3f} nats an event short of the chain's {:.3f}; lengths of runs off by {:.3g}, two "
+        "events on by {:.3g} errors\n",
+        name, choice == Choice::chain ? "chain" : "graph", tries, counts.events, 200 - bodies.falling(),
+        share(counts.kept, counts.planned), share(counts.taken, std::max(1L, counts.drawn)),
+        share(counts.redrawn, std::max(1L, counts.drawn)), loss, entropy, worth.chi_square.maxCoeff(),
+        worth.two_steps);
+    if (choice == Choice::graph) continue;
     print({kMotion, name, tries == 0 ? "kinds_kept_untried" : "kinds_kept",
            share(counts.kept, counts.planned)});
-    if (tries == 0) print({kMotion, name, "drawn_taken", share(counts.taken, counts.drawn)});
+    if (tries > 0) continue;
+    print({kMotion, name, "drawn_taken", share(counts.taken, counts.drawn)});
+    print({kMotion, name, "drawn_again", share(counts.redrawn, counts.drawn)});
+    print({kMotion, name, "chain_loss", loss, "nat"});
   }
 }
 

@@ -229,6 +229,7 @@ struct Bodies::Impl {
     counts.kept += event.planned == event.kind;
     counts.drawn += event.next.drawn.has_value();
     counts.taken += event.next.drawn == event.next.kind;
+    counts.redrawn += event.next.is_of_chain && event.next.drawn != event.next.kind;
     if (events.size() < room) {
       events.push_back(event);
     } else {

@@ -47,7 +47,8 @@ struct BodyCounts {
   long planned = 0;  ///< that ended a segment for which a piece was chosen ..
   long kept = 0;     ///< .. and were of its kind
   long drawn = 0;    ///< at which a chain drew a kind ..
-  long taken = 0;    ///< .. and a piece of it was taken
+  long taken = 0;    ///< .. and a piece of it was taken ..
+  long redrawn = 0;  ///< .. or of one that it drew then, among those that were left
 };
 
 struct BodiesOptions {

@@ -165,15 +165,28 @@ std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double
 /// Pieces that are found, each segment once, until there are enough.
 class NextPieces::Found {
  public:
-  Found(const MotionDatabase& database, std::span<NextPiece> room, std::optional<EventKind> drawn)
+  Found(const MotionDatabase& database, std::span<NextPiece> room)
       : database_(database),
         room_(room),
-        drawn_(drawn),
         limit_(std::max(std::size_t{1}, room.size() - std::min(room.size(), kEventKinds))) {}
 
   /// Places are kept for one of each kind, if there is room.
-  void open_all() { limit_ = room_.size(); }
-  bool is_full() const { return count_ == limit_; }
+  void open_all() {
+    limit_ = room_.size();
+    is_of_chain_ = false;
+  }
+  /// What is added now is of a kind that the chain drew.
+  /// @param is_first of those of this event; of others there is place for one
+  void draw(EventKind kind, bool is_first) {
+    is_of_chain_ = true;
+    if (is_first) {
+      drawn_ = kind;
+    } else {
+      limit_ = std::min(count_ + 1, room_.size());
+    }
+  }
+  bool is_full() const { return count_ >= limit_; }
+  bool has_room() const { return count_ < room_.size(); }
   std::size_t count() const { return count_; }
   EventKind kind_of(const NearSegment& near) const {
     return database_.segments[static_cast<std::size_t>(near.segment)].kind;
@@ -181,7 +194,7 @@ class NextPieces::Found {
   void add(const NearSegment& near) {
     const auto known = room_.first(count_);
     if (is_full() || std::ranges::find(known, near.segment, &NextPiece::segment) != known.end()) return;
-    room_[count_++] = {near.segment, kind_of(near), near.distance, drawn_};
+    room_[count_++] = {near.segment, kind_of(near), near.distance, drawn_, is_of_chain_};
   }
   /// From one of them on that chance takes, and round.
   void add_by_chance(std::span<const NearSegment> some, Stream& stream) {
@@ -194,6 +207,7 @@ class NextPieces::Found {
   const MotionDatabase& database_;
   std::span<NextPiece> room_;
   std::optional<EventKind> drawn_;
+  bool is_of_chain_ = false;
   std::size_t limit_, count_ = 0;
 };
 
@@ -219,28 +233,40 @@ void NextPieces::add_any(std::span<const double> state, std::span<const NearSegm
 std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, Stream& stream,
                               std::span<NextPiece> room) const {
   std::array<NearSegment, kMostEdges> along;
-  Found found(database_, room, {});
+  Found found(database_, room);
   add_any(state, std::span(along).first(candidates(followed, state, along)), stream, found);
   return found.count();
 }
 
-std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
-                              Stream& stream, std::span<NextPiece> room) const {
-  const auto kind = static_cast<EventKind>(chain_.draw(past, stream));
-  std::array<NearSegment, kMostEdges> along;
-  const std::size_t edges = candidates(followed, state, along);
-  Found found(database_, room, kind);
-  for (const NearSegment& one : std::span(along).first(edges)) {
+void NextPieces::add_of_kind(EventKind kind, std::span<const double> state,
+                             std::span<const NearSegment> along, Found& found) const {
+  for (const NearSegment& one : along) {
     if (found.kind_of(one) == kind) found.add(one);
   }
-  if (const auto& tree = kinds_[static_cast<std::size_t>(kind)]; tree && !found.is_full()) {
-    std::array<NearSegment, kNear> near;
-    const std::size_t count = tree->nearest(state, near, kSlack);
-    for (const NearSegment& one : std::span(near).first(count)) {
-      if (one.distance < reach_) found.add(one);
-    }
+  const auto& tree = kinds_[static_cast<std::size_t>(kind)];
+  if (!tree || found.is_full()) return;
+  std::array<NearSegment, kNear> near;
+  const std::size_t count = tree->nearest(state, near, kSlack);
+  for (const NearSegment& one : std::span(near).first(count)) {
+    if (one.distance < reach_) found.add(one);
   }
-  add_any(state, std::span(along).first(edges), stream, found);
+}
+
+std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
+                              Stream& stream, std::span<NextPiece> room) const {
+  std::array<NearSegment, kMostEdges> along;
+  const std::span<const NearSegment> edges = std::span(along).first(candidates(followed, state, along));
+  Found found(database_, room);
+  std::array<char, kEventKinds> is_drawn = {};
+  for (std::size_t n = 0; n < kEventKinds && found.has_room(); ++n) {
+    const int kind = chain_.draw(past, is_drawn, stream);
+    is_drawn[static_cast<std::size_t>(kind)] = 1;
+    found.draw(static_cast<EventKind>(kind), n == 0);
+    add_of_kind(static_cast<EventKind>(kind), state, edges, found);
+  }
+  if (!found.has_room()) return found.count();
+  found.open_all();
+  add_any(state, edges, stream, found);
   return found.count();
 }
 

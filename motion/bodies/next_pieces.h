@@ -17,8 +17,9 @@ struct NextPiece {
   Eigen::Index segment = 0;
   EventKind kind = EventKind::swing_plus;
   double distance = 0.0;  ///< of the state to the segment's start
-  /// The kind that a chain drew; another one than `kind` where no piece of it begins near.
+  /// The kind that a chain drew at first; another one than `kind` where no piece of it is to be had.
   std::optional<EventKind> drawn = {};
+  bool is_of_chain = false;  ///< its kind was drawn, at first or among those that were left
 };
 
 struct PieceOptions {
@@ -63,7 +64,8 @@ class NextPieces {
   /// edges, those that begin within reach(), one of them first by chance; then of the sturdy segments that begin nearest
   /// one within reach() by chance, and the others; at last the nearest sturdy one of each kind, for which places are kept.
   /// With the chain: at first the nearest along an edge of a kind that it draws, then the nearest sturdy ones of that
-  /// kind within reach(); only then any kind, as above.
+  /// kind within reach(); then likewise of a kind that it draws among those that are left, and so on: the first of them is
+  /// drawn from the chain among the kinds that are to be had here. Only then any, as above.
   /// @param followed -1: none
   /// @param found as many as are wanted, kMost at most  @returns how many there are, at least one
   std::size_t after(Eigen::Index followed, std::span<const double> state, Stream& stream,
@@ -82,6 +84,8 @@ class NextPieces {
   /// Segments along sound edges, within reach(), the nearest first.
   std::size_t candidates(Eigen::Index followed, std::span<const double> state,
                          std::span<NearSegment> found) const;
+  void add_of_kind(EventKind kind, std::span<const double> state, std::span<const NearSegment> along,
+                   Found& found) const;
   void add_any(std::span<const double> state, std::span<const NearSegment> along, Stream& stream,
                Found& found) const;
 

@@ -151,7 +151,7 @@ samara_body_state samara_bodies_state(const samara_bodies* bodies, size_t body) 
 samara_bodies_counts samara_bodies_count(const samara_bodies* bodies) {
   if (bodies == nullptr) return {};
   const motion::BodyCounts& counts = bodies->bodies.counts();
-  return {counts.events, counts.planned, counts.kept, counts.drawn, counts.taken};
+  return {counts.events, counts.planned, counts.kept, counts.drawn, counts.taken, counts.redrawn};
 }
 
 size_t samara_bodies_falling(const samara_bodies* bodies) {

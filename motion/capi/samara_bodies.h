@@ -82,7 +82,8 @@ typedef struct samara_bodies_counts {
   long planned; /* that ended a segment for which a piece was chosen .. */
   long kept;    /* .. and were of its kind */
   long drawn;   /* at which the chain drew a kind .. */
-  long taken;   /* .. and a piece of it was taken */
+  long taken;   /* .. and a piece of it was taken .. */
+  long redrawn; /* .. or of one that it drew then, among those that were left */
 } samara_bodies_counts;
 
 /* All zero of null. */

@@ -130,6 +130,24 @@ int MarkovChain::draw(std::span<const int> past, Stream& stream) const {
   return symbols_ - 1;
 }
 
+int MarkovChain::draw(std::span<const int> past, std::span<const char> left_out, Stream& stream) const {
+  double total = 0.0, among = 0.0;
+  const double* counts = counts_after(past, total);
+  int last = 0;
+  for (int next = 0; next < symbols_; ++next) {
+    if (left_out[static_cast<std::size_t>(next)] != 0) continue;
+    among += counts[next] + 0.5;
+    last = next;
+  }
+  double left = stream.uniform() * among;
+  for (int next = 0; next < last; ++next) {
+    if (left_out[static_cast<std::size_t>(next)] != 0) continue;
+    left -= counts[next] + 0.5;
+    if (left < 0.0) return next;
+  }
+  return last;
+}
+
 std::vector<int> MarkovChain::draw_sequence(std::size_t length, Stream& stream) const {
   std::vector<int> sequence;
   sequence.reserve(length);
@@ -166,7 +184,7 @@ double MarkovChain::log_likelihood(const std::vector<std::vector<int>>& sequence
   return all.sum / all.count;
 }
 
-OrderChoice select_order(const std::vector<std::vector<int>>& sequences, int symbols, int most) {
+RunHalves halves_of(const std::vector<std::vector<int>>& sequences, int most) {
   std::vector<std::pair<double, std::size_t>> drawn;
   const auto from = static_cast<std::size_t>(std::max(most, 0));
   for (std::size_t n = 0; n < sequences.size(); ++n) {
@@ -174,9 +192,15 @@ OrderChoice select_order(const std::vector<std::vector<int>>& sequences, int sym
   }
   // By a draw: runs that stand beside each other, or two apart, may be alike, as from one release.
   std::ranges::sort(drawn);
-  std::vector<std::vector<int>> fit, held_out;
+  RunHalves halves;
   for (std::size_t k = 0; k < drawn.size(); ++k)
-    (2 * k < drawn.size() ? fit : held_out).push_back(sequences[drawn[k].second]);
+    (2 * k < drawn.size() ? halves.fit : halves.held_out).push_back(sequences[drawn[k].second]);
+  return halves;
+}
+
+OrderChoice select_order(const std::vector<std::vector<int>>& sequences, int symbols, int most) {
+  const auto [fit, held_out] = halves_of(sequences, most);
+  const auto from = static_cast<std::size_t>(std::max(most, 0));
   if (held_out.empty())
     throw ArgumentError(
         fmt::format("{} run{} longer than {} events, expected two or more to select an order by", fit.size(),
@@ -217,6 +241,7 @@ OrderChoice select_order(const std::vector<std::vector<int>>& sequences, int sym
 SourceChain source_chain() {
   SourceChain chain;
   chain.names = {"SD", "AR", "AZ", "ZZ"};
+  chain.patterns = {"steady", "autorotation", "mixed", "zigzag"};
   chain.counts.setZero(4, 4);
   chain.counts << 4, 10, 1, 11, 0, 31, 7, 43, 0, 0, 15, 8, 0, 0, 0, 0;
   chain.printed.setZero(4, 4);

@@ -47,6 +47,9 @@ class MarkovChain {
   double probability(std::span<const int> past, int next) const;
   Chance chance(std::span<const int> past, int next) const;
   int draw(std::span<const int> past, Stream& stream) const;
+  /// Among the symbols that are not left out, one at least.
+  /// @param left_out per symbol
+  int draw(std::span<const int> past, std::span<const char> left_out, Stream& stream) const;
 
   /// A sequence that begins as often with each symbol as it was seen.
   std::vector<int> draw_sequence(std::size_t length, Stream& stream) const;
@@ -81,17 +84,24 @@ struct OrderChoice {
   std::size_t fitted_runs = 0, held_out_runs = 0;
 };
 
-/// By the log-likelihood of half of the runs, which are drawn, under chains of the other half; the same runs give the
+/// Half of the runs of more than `most` symbols, which are drawn, to fit chains to, and the others. The same runs give the
 /// same halves.
+struct RunHalves {
+  std::vector<std::vector<int>> fit, held_out;
+};
+RunHalves halves_of(const std::vector<std::vector<int>>& sequences, int most);
+
+/// By the log-likelihood of one of the halves under chains of the other.
 /// @throws ArgumentError as fitted(), or for fewer than two runs that are longer than `most`.
 OrderChoice select_order(const std::vector<std::vector<int>>& sequences, int symbols, int most = 5);
 
 /// The chain of patterns of the dissertation, (5.25): smallest counts that give its printed digits. A zero there is
 /// an event that was not seen in a few dozen, not one that cannot happen.
 struct SourceChain {
-  std::vector<std::string> names;  ///< SD, AR, AZ, ZZ
-  Eigen::MatrixXd counts;          ///< from, to; none from ZZ, in which it ends
-  Eigen::MatrixXd printed;         ///< probabilities, three digits
+  std::vector<std::string> names;     ///< SD, AR, AZ, ZZ
+  std::vector<std::string> patterns;  ///< what these are called here
+  Eigen::MatrixXd counts;             ///< from, to; none from ZZ, in which it ends
+  Eigen::MatrixXd printed;            ///< probabilities, three digits
 };
 SourceChain source_chain();
 

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "samara/motion/chains/chain_check.h"
 
 namespace samara::motion {
 
@@ -26,13 +30,57 @@ double median_duration_of(const MotionDatabase& database) {
   return *middle;
 }
 
+/// Of chains of the order that was chosen and of the first, fitted to one half of the runs: what they are worth on the
+/// other.
+struct KindChecks {
+  ChainCheck chosen, first;
+};
+
+KindChecks checks_of(const MotionDatabase& database, const OrderChoice& choice) {
+  const RunHalves halves = halves_of(database.kind_sequences(), kMostKindOrder);
+  const auto worth = [&](int order) {
+    return check(MarkovChain::fitted(halves.fit, kKindCount, order), halves.held_out);
+  };
+  return {worth(choice.order), worth(1)};
+}
+
+double largest_of(const Eigen::VectorXd& values) {
+  double most = std::numeric_limits<double>::quiet_NaN();
+  for (const double value : values) {
+    if (std::isfinite(value)) most = std::fmax(most, value);
+  }
+  return most;
+}
+
+std::string check_text(const char* name, const ChainCheck& worth) {
+  return fmt::format("  {:<13} run lengths {:8.4g}   two events on {:6.3g} standard errors\n", name,
+                     largest_of(worth.chi_square), worth.two_steps);
+}
+
+nlohmann::ordered_json check_json(const ChainCheck& worth) {
+  nlohmann::ordered_json object = {{"chi_square", nlohmann::ordered_json::array()},
+                                   {"two_steps", worth.two_steps}};
+  for (const double value : worth.chi_square)
+    object["chi_square"].push_back(std::isfinite(value) ? nlohmann::ordered_json(value)
+                                                        : nlohmann::ordered_json());
+  return object;
+}
+
 std::string chain_text(const MotionDatabase& database, const OrderChoice& choice) {
   if (choice.scores.empty()) return "too few runs are long enough to select the order of a chain\n";
   std::string text =
       fmt::format("chain of order {} (log-likelihood an event in {} runs left out, by order:", choice.order,
                   choice.held_out_runs);
   for (const OrderScore& score : choice.scores) text += fmt::format(" {:.3f}", score.log_likelihood);
-  text += ")\nwhat follows what, first order, with 95 % intervals\n";
+  text += ")\n";
+  const KindChecks checks = checks_of(database, choice);
+  text +=
+      "beside runs left out: largest chi-square of lengths of runs of a kind (4 degrees of freedom, 95 % "
+      "point "
+      "9.5), and how far the shares two events on are off at most\n";
+  text += check_text(fmt::format("order {}", choice.order).c_str(), checks.chosen);
+  if (choice.order != 1) text += check_text("first order", checks.first);
+  text += "what follows what, first order, with 95 % intervals\n";
   const Eigen::MatrixXd counts = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1).counts();
   for (int i = 0; i < kKindCount; ++i) {
     text += fmt::format("  {:<7}", event_kind_names()[static_cast<std::size_t>(i)]);
@@ -88,6 +136,11 @@ std::string database_json(const MotionDatabase& database, const MotionGraph& gra
   for (const OrderScore& score : kinds.choice.scores) {
     object["chain"]["scores"].push_back(
         {{"order", score.order}, {"log_likelihood", score.log_likelihood}, {"error", score.error}});
+  }
+  if (!kinds.choice.scores.empty()) {
+    const KindChecks checks = checks_of(database, kinds.choice);
+    object["chain"]["held_out"] = check_json(checks.chosen);
+    object["chain"]["held_out_first_order"] = check_json(checks.first);
   }
   object["chain"]["first_order"] = nlohmann::ordered_json::array();
   const Eigen::MatrixXd counts = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1).counts();

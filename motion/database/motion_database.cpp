@@ -300,10 +300,9 @@ void require_same_body(const MotionDatabase& database, const models::ParametricM
 KindChain kind_chain(const MotionDatabase& database) {
   const std::vector<std::vector<int>> sequences = database.kind_sequences();
   constexpr int kKinds = static_cast<int>(kEventKinds);
-  constexpr std::size_t kMost = 5;
   OrderChoice choice;
-  if (std::ranges::count_if(sequences, [](const auto& run) { return run.size() > kMost; }) >= 2)
-    choice = select_order(sequences, kKinds, static_cast<int>(kMost));
+  if (std::ranges::count_if(sequences, [](const auto& run) { return std::ssize(run) > kMostKindOrder; }) >= 2)
+    choice = select_order(sequences, kKinds, kMostKindOrder);
   return {MarkovChain::fitted(sequences, kKinds, choice.order), choice};
 }
 

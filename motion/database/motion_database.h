@@ -93,6 +93,9 @@ MotionDatabase build_database(const Sweep& sweep, const DatabaseOptions& options
 /// itself. Values that the database does not fix may be anything.
 void require_same_body(const MotionDatabase& database, const models::ParametricModel& model);
 
+/// Most kinds that a chain of them looks back on.
+inline constexpr int kMostKindOrder = 5;
+
 /// The chain of its kinds, of the order that runs left out select; of order 0 where they are too few or too short.
 struct KindChain {
   MarkovChain chain;

@@ -3,9 +3,32 @@
 #include <algorithm>
 #include <limits>
 
-#include "samara/motion/chains/markov_chain.h"
+#include "samara/motion/chains/chain_check.h"
 
 namespace samara::motion {
+
+namespace {
+
+/// Of a chain that goes on until it comes to a pattern, for each of those that were seen.
+void add_changes(Transitions& all, const std::vector<bool>& seen) {
+  std::vector<Eigen::Index> patterns;
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    if (seen[k]) patterns.push_back(static_cast<Eigen::Index>(k));
+  }
+  Eigen::MatrixXd steps = all.probability(patterns, patterns);
+  steps.diagonal().setZero();
+  if (!steps.allFinite()) return;
+  for (std::size_t end = 0; end < patterns.size(); ++end) {
+    std::vector<bool> ends(patterns.size(), false);
+    ends[end] = true;
+    const Absorption until = absorption(steps, ends);
+    for (std::size_t k = 0; k < until.transient.size(); ++k)
+      all.changes(patterns[static_cast<std::size_t>(until.transient[k])], patterns[end]) =
+          until.times[static_cast<Eigen::Index>(k)];
+  }
+}
+
+}  // namespace
 
 Transitions transitions(const std::vector<std::vector<Pattern>>& sequences) {
   constexpr auto kSize = static_cast<Eigen::Index>(kPatterns);
@@ -25,7 +48,7 @@ Transitions transitions(const std::vector<std::vector<Pattern>>& sequences) {
   }
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   all.probability.setConstant(kSize, kSize, unknown);
-  all.lower = all.upper = all.probability;
+  all.lower = all.upper = all.changes = all.probability;
   const auto kinds = static_cast<double>(std::count(seen.begin(), seen.end(), true));
   if (kinds < 2.0) return all;
   for (Eigen::Index i = 0; i < kSize; ++i) {
@@ -40,6 +63,7 @@ Transitions transitions(const std::vector<std::vector<Pattern>>& sequences) {
       all.upper(i, j) = share.upper;
     }
   }
+  add_changes(all, seen);
   return all;
 }
 

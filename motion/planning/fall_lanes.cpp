@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "samara/base/errors.h"
+#include "samara/base/smoothstep.h"
 #include "samara/motion/planning/fall_cost.h"
 
 namespace samara::motion {
@@ -32,6 +33,13 @@ std::vector<double> natural_of(const MotionPlan& plan) {
   return natural;
 }
 
+std::vector<double> release_state(const MotionPlan& plan) {
+  const models::ParametricModel natural(plan.model, plan.fixed, {});
+  std::vector<double> state(static_cast<std::size_t>(natural.state_count()));
+  natural.initial({}, state);
+  return state;
+}
+
 /// Events are those of the database, or those of a motion at the velocity scale.
 EventFinder finder_of(const MotionPlan& plan) {
   const double speed = plan.scales().velocity;
@@ -51,20 +59,28 @@ models::Scales MotionPlan::scales() const {
   return models::ParametricModel(model, fixed, {}).scales({});
 }
 
+double MotionPlan::release_height() const {
+  return MotionStates(model->info()).position(release_state(*this)).z();
+}
+
+bool MotionPlan::starts_at_rest() const {
+  const std::vector<double> state = release_state(*this);
+  const MovingStates moving(model->info(), BodySymmetry::none);
+  const auto rests = [&](std::size_t i) { return state[i] == 0.0; };
+  return std::ranges::all_of(moving.layout().velocities(), rests) &&
+         std::ranges::all_of(moving.layout().rates(), rests);
+}
+
 double MotionPlan::steps() const {
   const double speed = scales().velocity;
-  const models::ParametricModel natural(model, fixed, {});
-  std::vector<double> state(static_cast<std::size_t>(natural.state_count()));
-  natural.initial({}, state);
-  double time = std::max(0.0, MotionStates(model->info()).position(state).z() - ground) / speed;
+  double time = std::max(0.0, release_height() - ground) / speed;
   if (duration) time = std::min(time, *duration);
   return std::max(time, kLongestPiece * semi_length() / speed) / search.step;
 }
 
 bool MotionPlan::sinks() const {
   const models::ParametricModel natural(model, fixed, {});
-  std::vector<double> state(static_cast<std::size_t>(natural.state_count())), rate(state.size());
-  natural.initial({}, state);
+  std::vector<double> state = release_state(*this), rate(state.size());
   const MovingStates moving(model->info(), BodySymmetry::none);
   for (const std::size_t i : moving.layout().velocities()) state[i] = 0.0;
   for (const std::size_t i : moving.layout().rates()) state[i] = 0.0;
@@ -117,9 +133,9 @@ const AskedSegment* PlannedFall::asked(const FallPoint& point) const {
   return &plan_.sequence->segments[number];
 }
 
-Eigen::Vector3d PlannedFall::deviation(double t, const Eigen::Vector3d& position) const {
+Eigen::Vector3d PlannedFall::deviation(double t, const Eigen::Vector3d& position, Eigen::Index& near) const {
   if (!plan_.sketch) return Eigen::Vector3d::Zero();
-  return position - plan_.sketch->target(t, position);
+  return position - plan_.sketch->target(t, position, near);
 }
 
 Eigen::Vector3d PlannedFall::off_course(const FallPoint& point) const {
@@ -153,6 +169,7 @@ struct FallLanes::Rider {
   double square_time = 0.0;
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
   EventFinder finder;
+  Eigen::Index near = 0;  ///< point of the sketch that comes next
   int steps = 0, looks = 0;
   double roaming = 0.0;     ///< sum over the looks
   FallPoint here, slowest;  ///< the last step that was slower than the one before, and the slowest of them
@@ -185,17 +202,24 @@ void FallLanes::board(Rider& rider, Eigen::Index lane, const Continuation& conti
   rider.finder.see(from.t, from.state);
 }
 
-/// Into what is there already: this happens at most steps.
+/// Into what is there already, and no more than must be remembered now: this happens at most steps.
 void FallLanes::put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const {
   point.t = stepper_.time(lane);
   point.state = state_;
-  point.coefficients.resize(fall_.names().size());
-  stepper_.read_parameters(lane, point.coefficients);
-  point.heading_for = rider.continuation->target;
   point.height = fall_.states().position(state_).z();
   point.square_time = rider.square_time;
   point.deviation = rider.deviation;
   point.acceleration_square = rider.looks > 0 ? rider.roaming / rider.looks : 0.0;
+}
+
+/// What they were at the time of the point, on the ramp of the piece.
+void FallLanes::put_coefficients(const Rider& rider, FallPoint& point) const {
+  const FallPoint& from = *rider.continuation->from;
+  point.heading_for = rider.continuation->target;
+  point.coefficients = from.coefficients;
+  const double share = smoothstep((point.t - from.t) / fall_.plan().search.ramp);
+  for (std::size_t j = 0; j < point.coefficients.size(); ++j)
+    point.coefficients[j] = gone(from.coefficients[j], point.heading_for[j], share);
 }
 
 bool FallLanes::look(Rider& rider, Eigen::Index lane) {
@@ -203,7 +227,7 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
   const double t = stepper_.time(lane);
   const Eigen::Vector3d place = fall_.states().position(state_);
   const Eigen::Vector3d before = rider.deviation;
-  rider.deviation = fall_.deviation(t, place);
+  rider.deviation = fall_.deviation(t, place, rider.near);
   rider.square_time +=
       0.5 * fall_.plan().search.step * (before.squaredNorm() + rider.deviation.squaredNorm());
   if (fall_.plan().turbulence > 0.0 && rider.steps++ % kBetweenLooks == 0) {
@@ -211,7 +235,8 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
     rider.roaming += difference_.squaredNorm();
     ++rider.looks;
   }
-  if (!stepper_.finite(lane)) return end_piece(rider, lane, FallEnd::not_finite);
+  if (!std::ranges::all_of(state_, [](double x) { return std::isfinite(x); }))
+    return end_piece(rider, lane, FallEnd::not_finite);
   const bool is_event = rider.finder.see(t, state_);
   if (rider.finder.proposes()) std::swap(rider.slowest, rider.here);
   if (rider.finder.is_slowing()) put_point(rider, lane, rider.here);
@@ -222,6 +247,7 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
     if (rider.finder.event().is_steady) return true;
     rider.piece.kind = rider.finder.event().kind;
     rider.piece.to = rider.slowest;
+    put_coefficients(rider, rider.piece.to);
     return true;
   }
   // Where kinds are asked for a segment is not cut but by an event.
@@ -233,6 +259,7 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
 /// Where it is now.
 bool FallLanes::end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const {
   put_point(rider, lane, rider.piece.to);
+  put_coefficients(rider, rider.piece.to);
   rider.piece.end = how;
   rider.piece.has_event = false;
   rider.piece.kind.reset();

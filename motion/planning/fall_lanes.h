@@ -73,7 +73,12 @@ class PlannedFall {
   FallPoint release() const;
   bool is_over(double t, double height) const;
   /// From the target at this time; zero where there is no sketch.
-  Eigen::Vector3d deviation(double t, const Eigen::Vector3d& position) const;
+  Eigen::Vector3d deviation(double t, const Eigen::Vector3d& position) const {
+    Eigen::Index any = 0;
+    return deviation(t, position, any);
+  }
+  /// @param near as Sketch::target
+  Eigen::Vector3d deviation(double t, const Eigen::Vector3d& position, Eigen::Index& near) const;
   /// From the straight way to the landing place; zero where none is asked for, or a sketch leads there.
   Eigen::Vector3d off_course(const FallPoint& point) const;
 
@@ -125,6 +130,7 @@ class FallLanes {
   bool look(Rider& rider, Eigen::Index lane);
   bool end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const;
   void put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const;
+  void put_coefficients(const Rider& rider, FallPoint& point) const;
 
   const PlannedFall& fall_;
   models::Stepper stepper_;

@@ -1,5 +1,6 @@
 #include "samara/motion/planning/fall_replay.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "samara/motion/planning/fall_cost.h"
@@ -11,9 +12,11 @@ namespace {
 /// A fall along knots, with all that its cost is made of.
 class Replay {
  public:
-  Replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots)
+  Replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots,
+         const SeenSteps& see)
       : fall_(fall),
         knots_(knots),
+        see_(see),
         lane_(fall.model(), fall.names(), 1),
         roaming_(fall),
         events_(fall.finder()),
@@ -23,11 +26,14 @@ class Replay {
     lane_.set_state(0, start.t, start.state);
     lane_.set_parameters(0, start.coefficients);
     events_.see(start.t, start.state);
+    if (see_) see_(start.t, start.state);
   }
 
   ReplayedFall run() {
     const double h = fall_.plan().search.step;
-    const double most = (knots_.empty() ? now_.t : knots_.back().t) + 4.0 * fall_.longest_piece();
+    const double expected = 4.0 * fall_.plan().steps() * h;
+    const double most =
+        std::max(expected, knots_.empty() ? now_.t : knots_.back().t) + 4.0 * fall_.longest_piece();
     while (!fall_.is_over(now_.t, now_.height) && now_.t < most) {
       const std::size_t next = result_.at_knots.size();
       if (next < knots_.size() && now_.t > knots_[next].t - 0.5 * h) begin_knot(knots_[next]);
@@ -68,6 +74,7 @@ class Replay {
 
   void move() {
     now_.t = lane_.time(0);
+    if (see_) see_(now_.t, now_.state);
     const Eigen::Vector3d place = fall_.states().position(now_.state);
     const double before = now_.deviation.squaredNorm();
     now_.height = place.z();
@@ -96,6 +103,7 @@ class Replay {
   };
   const PlannedFall& fall_;
   const std::vector<CourseKnot>& knots_;
+  const SeenSteps& see_;
   models::Stepper lane_;
   Roaming roaming_;
   EventFinder events_;
@@ -109,8 +117,9 @@ class Replay {
 
 }  // namespace
 
-ReplayedFall replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots) {
-  return Replay(fall, start, knots).run();
+ReplayedFall replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots,
+                    const SeenSteps& see) {
+  return Replay(fall, start, knots, see).run();
 }
 
 }  // namespace samara::motion

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "samara/motion/courses/coefficient_course.h"
@@ -14,7 +16,12 @@ struct ReplayedFall {
   double cost = 0.0;  ///< fall_cost.h, of the whole
 };
 
-/// From `start` along the knots to the ground, or to the end of the time; not finite: the cost is infinite.
-ReplayedFall replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots);
+/// What is seen of a fall: time and state of the start and after each step.
+using SeenSteps = std::function<void(double t, std::span<const double> state)>;
+
+/// From `start` along the knots to the ground, or to the end of the time; not finite: the cost is infinite. One that does
+/// neither ends after four times as long as the plan says it takes, or behind its last knot.
+ReplayedFall replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots,
+                    const SeenSteps& see = {});
 
 }  // namespace samara::motion

@@ -35,6 +35,10 @@ PatternLabel label_of_stretch(const PlannedFall& fall, const RealisedFall& real,
     return {Pattern::unresolved, 0.0, "the stretch has too few frames"};
   MotionRecord record = builder.record(2.0 * fall.semi_length());
   record.position_noise = record.angle_noise = 0.0;  // of a simulation
+  if (fall.plan().sequence->is_of_places) {
+    record.normals.resize(0, 3);
+    record.angles.resize(0);
+  }
   return label(features(record, {.settle_share = 0.0}));
 }
 

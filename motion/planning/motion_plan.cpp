@@ -14,6 +14,7 @@
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/motion/database/database_file.h"
+#include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/segment_choices.h"
 
 namespace samara::motion {
@@ -183,11 +184,51 @@ class PlanReader {
                         "and never comes down");
   }
 
+  Sketch read_formula(const TomlTable& path, const std::string& key) const {
+    const TomlTable formula = path.table(key);
+    const models::ModelInfo& info = plan_.model->info();
+    const auto layout = StateLayout::of(info);
+    if (!layout->has_velocities) throw path.error(key, "is of models with velocities, expected a file");
+    const auto number = [&](const char* name, const std::string& unit) {
+      return in_size(formula, name, formula.quantity(name, unit));
+    };
+    const std::string &speed = info.states[layout->velocity[0]].unit,
+                      &rate = info.states[layout->rate[0]].unit;
+    std::vector<double> state(info.states.size());
+    models::ParametricModel(plan_.model, plan_.fixed, {}).initial({}, state);
+    const Eigen::Vector3d from = layout->place(state);
+    try {
+      if (planar_) {
+        formula.expect_keys({"descent_speed", "horizontal_speed", "vertical_speed", "angular_frequency"});
+        return sketch_of(models::SideToSidePath{.descent_speed = number("descent_speed", speed),
+                                                .horizontal_speed = number("horizontal_speed", speed),
+                                                .vertical_speed = number("vertical_speed", speed),
+                                                .angular_frequency = number("angular_frequency", rate)},
+                         from, 0.0);
+      }
+      formula.expect_keys(
+          {"descent_speed", "amplitude_x", "amplitude_y", "modulation", "lobes", "angular_frequency"});
+      return sketch_of(models::RosePath{.descent_speed = number("descent_speed", speed),
+                                        .amplitude_x = number("amplitude_x", length_),
+                                        .amplitude_y = number("amplitude_y", length_),
+                                        .modulation = formula.optional_number("modulation").value_or(0.0),
+                                        .lobes = formula.optional_number("lobes").value_or(4.0),
+                                        .angular_frequency = number("angular_frequency", rate)},
+                       from, 0.0);
+    } catch (const ArgumentError& error) {
+      throw path.error(key, error.what());
+    }
+  }
+
   void read_path() {
     const auto path = root_.optional_table("path");
     if (!path) return;
-    path->expect_keys({"file", "deviation"});
-    plan_.sketch = read_sketch(folder() / path->string("file"), planar_);
+    path->expect_keys({"file", planar_ ? "side_to_side" : "rose", "deviation"});
+    const std::string key = path->has("file") ? "file" : planar_ ? "side_to_side" : "rose";
+    if (path->keys().size() > (path->has("deviation") ? 2U : 1U))
+      throw path->error(key, "stands beside another line, expected one of them");
+    plan_.sketch =
+        key == "file" ? read_sketch(folder() / path->string("file"), planar_) : read_formula(*path, key);
     if (path->has("deviation"))
       plan_.deviation = positive(*path, "deviation", path->quantity("deviation", length_));
     const double height = plan_.fixed.at(planar_ ? "y(0)" : "z(0)");
@@ -195,14 +236,14 @@ class PlanReader {
     const double tolerance = 2.0 * plan_.semi_length() + 0.02 * height;
     if (begins < height - tolerance) {
       throw path->error(
-          "file", fmt::format("begins at height {:.6g}, under the release at {:.6g}: expected a sketch that "
-                              "begins where the body is let go",
-                              begins, height));
+          key, fmt::format("begins at height {:.6g}, under the release at {:.6g}: expected a sketch that "
+                           "begins where the body is let go",
+                           begins, height));
     }
     plan_.ground = plan_.sketch->is_timed() ? 0.0 : std::max(0.0, plan_.sketch->bottom());
     if (plan_.ground >= height) {
-      throw path->error("file", fmt::format("ends at height {:.6g}, not below the release at {:.6g}",
-                                            plan_.ground, height));
+      throw path->error(
+          key, fmt::format("ends at height {:.6g}, not below the release at {:.6g}", plan_.ground, height));
     }
     if (!plan_.sketch->is_timed()) return;
     plan_.duration = plan_.sketch->end_time();
@@ -223,8 +264,22 @@ class PlanReader {
         throw root_.error("database", error.what());
       }
     }
-    if (const auto sequence = root_.optional_table("sequence"))
-      plan_.sequence = read_sequence(*sequence, folder(), plan_.database.get());
+    if (const auto path = root_.optional_table("path")) refuse(*path, "file", require_rise);
+    const auto sequence = root_.optional_table("sequence");
+    if (!sequence) return;
+    plan_.sequence = read_sequence(*sequence, folder(), plan_.database.get());
+    if (plan_.sequence->segments.empty() || plan_.sequence->is_drawn()) return;
+    const char* const key = plan_.sequence->is_of_patterns() ? "patterns" : "kinds";
+    refuse(*sequence, key, require_patterns_in_box);
+    refuse(*sequence, key, require_ways);
+  }
+
+  void refuse(const TomlTable& table, const char* key, void (*require)(const MotionPlan&)) const {
+    try {
+      require(plan_);
+    } catch (const ArgumentError& error) {
+      throw table.error(key, error.what());
+    }
   }
 
   void read_landing() {

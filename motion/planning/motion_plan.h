@@ -58,6 +58,8 @@ struct MotionPlan {
   /// Semi-length of the body, the unit of deviations in costs; the model's length where it does not say [m].
   double semi_length() const;
   models::Scales scales() const;
+  double release_height() const;
+  bool starts_at_rest() const;
   /// Whether the body, at rest as it is let go, begins to sink.
   bool sinks() const;
   /// About how many steps the fall takes: to the ground at the model's velocity scale, or to its duration.
@@ -93,6 +95,10 @@ struct PlanningStep {
 ///     [path]
 ///     file = "sketch.csv"           # beside this file
 ///     deviation = "5 mm"            # that is good enough
+///     # or, in place of a file, a line by formula, see sketch_of(): in a plane
+///     side_to_side = { descent_speed = "30 cm/s", horizontal_speed = "50 cm/s", vertical_speed = "10 cm/s",
+///                      angular_frequency = "12 rad/s" }
+///     # in space rose = { descent_speed, amplitude_x, amplitude_y, modulation, lobes, angular_frequency }
 ///     [landing]                     # beside or instead of [path]: x = "10 cm" (and y, in space), deviation
 ///     [sequence]                    # kinds or patterns, see motion_sequence.h, beside these or alone
 ///     [box]                         # what may change, and how far
@@ -103,8 +109,9 @@ struct PlanningStep {
 ///     [search]                      # beam, children, sweeps, step, ramp, seed
 ///
 /// @throws InputError, with file and line, for unknown keys, names or units, values outside their meaning, an empty or
-/// reversed range, a sketch that rises or begins below the release, a body that does not sink, a database of another
-/// body, or a plan that asks for nothing.
+/// reversed range, a sketch that rises (or, with times, faster than falls of the database, or above the release) or begins
+/// below the release, a body that does not sink, a database of another body, a sequence that is given and of which the
+/// database has no fall within the box or no way from one to the next, or a plan that asks for nothing.
 MotionPlan read_motion_plan(const std::filesystem::path& path);
 /// The same from text; `name` stands for the file in messages, files it names are beside it.
 MotionPlan parse_motion_plan(const std::string& text, const std::string& name);

@@ -23,9 +23,12 @@ using io::TomlTable;
 struct NamedChain {
   std::vector<std::string> symbols;
   MarkovChain chain;
+  bool is_of_places = false;  ///< as MotionSequence::is_of_places
+  int ends_in = -1;           ///< symbol after which nothing else comes; -1: there is none
 };
 
 constexpr std::int64_t kMostSegments = 100'000;
+constexpr const char* kOfSource = "dissertation";  // a chain by this name is no file
 
 /// The falls of a database with one pattern, as sequences of kinds.
 std::vector<std::vector<int>> kinds_of_pattern(const MotionDatabase& database, Pattern pattern) {
@@ -43,8 +46,10 @@ std::vector<std::vector<int>> kinds_of_pattern(const MotionDatabase& database, P
 
 NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& file) {
   std::vector<std::vector<std::string>> words;
+  bool is_of_places = true;
   for (const nlohmann::json& capture : answer.at("captures")) {
     words.emplace_back();
+    is_of_places = is_of_places && !capture.value("attitude", true);
     for (const nlohmann::json& window : capture.at("windows")) {
       const auto pattern = window.at("pattern").get<std::string>();
       if (pattern == "unresolved") continue;
@@ -72,7 +77,7 @@ NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& fil
     }
   }
   const int count = static_cast<int>(symbols.size());
-  return {std::move(symbols), MarkovChain::fitted(sequences, count, 1)};
+  return {std::move(symbols), MarkovChain::fitted(sequences, count, 1), is_of_places};
 }
 
 NamedChain chain_of_counts(const nlohmann::json& object, const std::string& file) {
@@ -92,6 +97,13 @@ NamedChain chain_of_counts(const nlohmann::json& object, const std::string& file
   } catch (const ArgumentError& error) {
     throw InputError(file, error.what());
   }
+}
+
+/// The chain of the dissertation, (5.25).
+NamedChain source_chain_of_patterns() {
+  const SourceChain source = source_chain();
+  return {source.patterns, MarkovChain::of_counts(source.counts), false,
+          static_cast<int>(source.patterns.size()) - 1};
 }
 
 NamedChain read_chain(const std::filesystem::path& path) {
@@ -185,8 +197,9 @@ class SequenceReader {
     if (!file && database_ == nullptr)
       throw table_.error(
           "chain", "is missing, with kinds, patterns, and a database of the plan: expected one of them");
-    const NamedChain named =
-        file ? read_chain(folder_ / *file) : NamedChain{event_kind_names(), kind_chain(*database_).chain};
+    const NamedChain named = !file ? NamedChain{event_kind_names(), kind_chain(*database_).chain}
+                             : *file == kOfSource ? source_chain_of_patterns()
+                                                  : read_chain(folder_ / *file);
     const bool is_kind = std::ranges::all_of(
         named.symbols, [](const std::string& symbol) { return contains(event_kind_names(), symbol); });
     sequence_.origin = file ? *file : "the database";
@@ -211,12 +224,16 @@ class SequenceReader {
 
   void draw(const NamedChain& named, bool is_kind, std::size_t length) {
     draws_patterns_ = !is_kind;
+    sequence_.is_of_places = named.is_of_places;
     const std::int64_t events = is_kind ? 1 : table_.optional_integer("events").value_or(2);
     if (events < 1 || events > 1000)
       throw table_.error("events", fmt::format("is {}, expected 1 to 1000", events));
     constexpr std::uint64_t kOfSequences = std::uint64_t{1} << 62;  // a stream that no search draws from
     Stream stream(*sequence_.seed, kOfSequences);
-    for (const int symbol : named.chain.draw_sequence(length, stream)) {
+    bool has_ended = false;
+    for (const int drawn : named.chain.draw_sequence(length, stream)) {
+      has_ended = has_ended || drawn == named.ends_in;
+      const int symbol = has_ended ? named.ends_in : drawn;
       const std::string& word = named.symbols[static_cast<std::size_t>(symbol)];
       sequence_.segments.insert(sequence_.segments.end(), static_cast<std::size_t>(events),
                                 asked("chain", word, is_kind));

@@ -25,6 +25,8 @@ namespace samara::motion {
 struct AskedSegment {
   std::optional<EventKind> kind = {};
   std::optional<Pattern> pattern = {};
+
+  friend bool operator==(const AskedSegment&, const AskedSegment&) = default;
 };
 
 struct MotionSequence {
@@ -38,7 +40,10 @@ struct MotionSequence {
   double weight = 20.0;
   std::optional<std::uint64_t> seed;  ///< that it was drawn with
   std::string origin;                 ///< "given", or what it was drawn from
+  /// Whether its patterns are those of captures of which places alone were seen: then a fall is judged by its places.
+  bool is_of_places = false;
 
+  bool is_drawn() const { return seed.has_value(); }
   /// Whether segments are asked for by pattern; else by kind.
   bool is_of_patterns() const { return !segments.empty() && segments.front().pattern.has_value(); }
 
@@ -62,8 +67,8 @@ struct MotionSequence {
 ///     weight = 20
 ///
 /// `chain` is what `samara patterns --json` says of captures (patterns of their windows, one step a window), a database of
-/// motions (kinds), or {"schema": "samara-chain/1", "symbols": [..], "counts": [[..]]}, rows from, columns to. Without it
-/// the plan's database is taken. Without a length nothing is drawn: kinds cost -log P under the chain of kinds.
+/// motions (kinds), {"schema": "samara-chain/1", "symbols": [..], "counts": [[..]]}, rows from, columns to, or "dissertation":
+/// the chain of patterns (5.25) by the counts behind it (source_chain()), which stays in zigzag. Without it the plan's database is taken. Without a length nothing is drawn: kinds cost -log P under the chain of kinds.
 /// @param folder from which files are named  @param database of the plan, or none
 /// @throws InputError, with file and line: more than one of kinds, patterns and chain; words that are no kinds or
 /// patterns; patterns of which the database has no fall, or no database; a chain that cannot be read.

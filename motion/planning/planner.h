@@ -14,13 +14,16 @@
 /// Falls that do what they are asked: follow a sketch, come down at a place, swing and turn in a given order.
 ///
 /// Nothing is blended. What comes out is one solution of the model whose coefficients change within their box: a course of
-/// coefficients, and the motion that CVODES gives with it. At each minimum of speed the search chooses how
-/// the coefficients go on, windows of Gauss and Newton's method then move them all a little, and where the
-/// motion of the steps parts from that of CVODES, the rest is searched again from the state really reached.
+/// coefficients, and the motion that the steps of the plan make along it. At each minimum of speed the search chooses how
+/// the coefficients go on, windows of Gauss and Newton's method then move them all a little.
 ///
 ///     const MotionResult motion = plan_motion(read_motion_plan("motion.toml"));
 ///     motion.deviation;                         // m, rms distance from the sketch
 ///     course_codebook(*motion.course, ..);      // what simulate --coefficients replays
+///     motion.replayed_until;                    // s, to which it then stays with these states
+///
+/// Falls are sensitive: of two that begin alike to round-off, long ones part. Whoever replays the course by other steps
+/// has this motion up to some time only, which is told by CVODES; the states themselves need no more forces for that.
 namespace samara::motion {
 
 enum class MotionStatus {
@@ -62,12 +65,13 @@ struct MotionResult {
   std::optional<CoefficientCourse> course;      ///< empty: there is no motion
   double end = 0.0;                             ///< s, when the body is on the ground, or the time is over
   Eigen::VectorXd times;                        ///< s, from 0 to end, at the steps of the plan
-  Eigen::MatrixXd states;                       ///< by CVODES along the course, times x states
+  Eigen::MatrixXd states;                       ///< along the course, times x states
   double deviation = 0.0;                       ///< m, rms over time from the sketch; 0 without one
   double landing_miss = 0.0;                    ///< m, from the landing place; 0 without one
   std::optional<SequenceOutcome> sequence;      ///< where the plan has one
   FallCost cost;                                ///< of the motion
-  int closings = 0;                             ///< how often the rest was searched again
+  /// s, up to which CVODES along the course, as its file has it, stays within a tenth of a semi-length of the states.
+  double replayed_until = 0.0;
   std::vector<PlanningStep> history;
   double seconds = 0.0;
 
@@ -85,15 +89,16 @@ struct PlanningOptions {
 /// checkpoint of another plan.
 MotionResult plan_motion(const MotionPlan& plan, const PlanningOptions& options = {});
 
-/// The motion of CVODES along a course to the ground, or to the end of the time; without frames if it is not finite.
+/// The motion of a plan's steps along a course to the ground, or to the end of the time; without frames if it is not
+/// finite.
 struct RealisedFall {
   Eigen::VectorXd times;
   Eigen::MatrixXd states;
   double deviation = 0.0, landing_miss = 0.0;
-  double square_time = 0.0;  ///< integral of the squared deviation over time [m^2 s]
-  bool landed = false;       ///< it came to the ground
-  bool is_over = false;      ///< it landed, or the time that the plan gives was over
+  bool landed = false;   ///< it came to the ground
+  bool is_over = false;  ///< it landed, or the time that the plan gives was over
+  FallCost cost;
 };
-RealisedFall realise(const MotionPlan& plan, const CoefficientCourse& course, double longest);
+RealisedFall realise(const MotionPlan& plan, const CoefficientCourse& course);
 
 }  // namespace samara::motion

@@ -17,7 +17,7 @@ namespace samara::motion {
 namespace {
 
 constexpr const char* kPlanningFormat = "samara-planning";
-constexpr const char* kPlanningVersion = "0.1";
+constexpr const char* kPlanningVersion = "0.2";
 
 /// Numbers one after the other: what is put in comes out in the same order.
 struct NumberTape {
@@ -167,8 +167,6 @@ void pass(Way& way, RefiningState& state) {
 
 template <class Way>
 void pass(Way& way, PlanningState& state) {
-  pass(way, state.head);
-  pass(way, state.start);
   pass(way, state.beam.rounds);
   pass(way, state.beam.ended);
   pass(way, state.beam.finished);
@@ -182,10 +180,6 @@ void pass(Way& way, PlanningState& state) {
     if (!state.refining) state.refining.emplace();
     pass(way, *state.refining);
   }
-  pass(way, state.knots);
-  way.number(state.longest);
-  way.number(state.closings);
-  pass(way, state.history);
 }
 
 /// FNV-1a over the bytes of numbers: databases are too large to be written down.
@@ -204,7 +198,8 @@ class Digest {
 };
 
 std::string sequence_text(const MotionSequence& sequence) {
-  std::string text = fmt::format("sequence {} {}\n", sequence.weight, sequence.origin);
+  std::string text =
+      fmt::format("sequence {} {} {}\n", sequence.weight, sequence.origin, sequence.is_of_places);
   for (const AskedSegment& one : sequence.segments)
     text += one.kind ? to_string(*one.kind) + "\n" : to_string(*one.pattern) + "\n";
   if (sequence.chain) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -39,21 +41,23 @@ Sketch::Sketch(Eigen::MatrixX3d points, Eigen::VectorXd times)
   keys_ = is_timed() ? times_ : -points_.col(2);
 }
 
-Eigen::Index Sketch::next_point(double t, double height) const {
-  return std::upper_bound(keys_.data(), keys_.data() + keys_.size(), is_timed() ? t : -height) - keys_.data();
+Eigen::Index Sketch::next_point(double key) const {
+  return std::upper_bound(keys_.data(), keys_.data() + keys_.size(), key) - keys_.data();
 }
 
 Eigen::Vector3d Sketch::slope(const Eigen::Vector3d& position) const {
   if (is_timed()) return Eigen::Vector3d::Zero();
-  const Eigen::Index next = next_point(0.0, position.z());
+  const Eigen::Index next = next_point(-position.z());
   if (next == 0 || next == keys_.size()) return Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d along = points_.row(next) - points_.row(next - 1);
   return along / along.z();
 }
 
-Eigen::Vector3d Sketch::target(double t, const Eigen::Vector3d& position) const {
+Eigen::Vector3d Sketch::target(double t, const Eigen::Vector3d& position, Eigen::Index& near) const {
   const double key = is_timed() ? t : -position.z();
-  const Eigen::Index next = next_point(t, position.z());
+  const bool is_there = near > 0 && near < keys_.size() && keys_[near - 1] <= key && key < keys_[near];
+  const Eigen::Index next = is_there ? near : next_point(key);
+  near = next;
   Eigen::Vector3d target;
   if (next == 0) {
     target = points_.row(0);
@@ -65,6 +69,38 @@ Eigen::Vector3d Sketch::target(double t, const Eigen::Vector3d& position) const 
   }
   if (!is_timed()) target.z() = position.z();
   return target;
+}
+
+namespace {
+
+template <class Path>
+Sketch sampled(const Path& path, const Eigen::Vector3d& from, double bottom) {
+  constexpr int kPerPeriod = 64;
+  constexpr std::size_t kMostPoints = 100'000;
+  const Eigen::Vector3d moved = from - at(path, 0.0).position;
+  const double dt = 2.0 * std::numbers::pi / path.angular_frequency / kPerPeriod;
+  std::vector<Eigen::Vector3d> points = {from};
+  while (points.back().z() > bottom) {
+    if (points.size() > kMostPoints)
+      throw ArgumentError(
+          fmt::format("the path takes more than {} points to height {:.6g}, expected one that "
+                      "goes down faster, or turns more slowly",
+                      kMostPoints, bottom));
+    points.push_back(moved + at(path, dt * static_cast<double>(points.size())).position);
+  }
+  Eigen::MatrixX3d rows(std::ssize(points), 3);
+  for (Eigen::Index k = 0; k < rows.rows(); ++k) rows.row(k) = points[static_cast<std::size_t>(k)];
+  return Sketch(rows);
+}
+
+}  // namespace
+
+Sketch sketch_of(const models::SideToSidePath& path, const Eigen::Vector3d& from, double bottom) {
+  return sampled(path, from, bottom);
+}
+
+Sketch sketch_of(const models::RosePath& path, const Eigen::Vector3d& from, double bottom) {
+  return sampled(path, from, bottom);
 }
 
 namespace {

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "samara/models/bodies/kinematic_paths.h"
+
 namespace samara::motion {
 
 /// A path that a fall is asked to follow: a polyline that goes down, or one with times. World axes, z up; a motion in a
@@ -19,25 +21,39 @@ class Sketch {
   explicit Sketch(Eigen::MatrixX3d points, Eigen::VectorXd times = {});
 
   bool is_timed() const { return times_.size() > 0; }
-  Eigen::Vector3d target(double t, const Eigen::Vector3d& position) const;
+  Eigen::Vector3d target(double t, const Eigen::Vector3d& position) const {
+    Eigen::Index any = 0;
+    return target(t, position, any);
+  }
+  /// @param near number of the point that comes next, where it is looked for first; set to what it is
+  Eigen::Vector3d target(double t, const Eigen::Vector3d& position, Eigen::Index& near) const;
 
   /// d(target)/d(height of the body): of a sketch with times, zero.
   Eigen::Vector3d slope(const Eigen::Vector3d& position) const;
 
   const Eigen::MatrixX3d& points() const { return points_; }
+  /// None, or one for each point.
+  const Eigen::VectorXd& times() const { return times_; }
   double top() const { return points_(0, 2); }
   double bottom() const { return points_(points_.rows() - 1, 2); }
   /// Of a sketch with times.
   double end_time() const { return times_[times_.size() - 1]; }
 
  private:
-  Eigen::Index next_point(double t, double height) const;
+  Eigen::Index next_point(double key) const;
 
   Eigen::MatrixX3d points_;
   Eigen::VectorXd times_;
   /// What the target is looked up by, decreasing or increasing: heights, or times.
   Eigen::VectorXd keys_;
 };
+
+/// Lines by the unified trajectory functions of the dissertation, (3.6) and (3.7) (kinematic_paths.h): what a fall is to
+/// look like, to begin with; they obey no law of motion. Moved so that they begin at `from`, down to the height `bottom`, 64
+/// points a period, without times.
+/// @throws ArgumentError as at() of the path, for one that does not go down all the way, or takes more than 1e5 points
+Sketch sketch_of(const models::SideToSidePath& path, const Eigen::Vector3d& from, double bottom);
+Sketch sketch_of(const models::RosePath& path, const Eigen::Vector3d& from, double bottom);
 
 /// Columns x, z (or x, y in a plane, y up), or x, y, z; t, if it is timed. Units stand in the header, "x[cm]"; SI where
 /// they do not.

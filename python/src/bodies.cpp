@@ -131,6 +131,7 @@ void add_bodies(py::module_& module) {
              all["kept"] = counts.kept;
              all["drawn"] = counts.drawn;
              all["taken"] = counts.taken;
+             all["redrawn"] = counts.redrawn;
              return all;
            })
       .def("falling", [](const HeldBodies& held) { return held.bodies.falling(); })

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import time
 
+import h5py
 import numpy
 
 import browser
@@ -106,6 +107,19 @@ class Syntheses(Case):
                            ("[sequence]\npatterns = [\"helix\"]\n", "helix is 0 of 60 falls"),
                            ("[sequence]\nchain = \"plates.toml\"\nlength = 3\n", "plates.toml")]:
             self.check_error(run("synthesize", plan("bad.toml", more), "-o", FOLDER / "bad.csv"), 3, part)
+        newer = FOLDER / "newer.h5"
+        newer.write_bytes(database().read_bytes())
+        with h5py.File(newer, "a") as file:
+            file.attrs["format_version"] = numpy.bytes_("1.0")
+        text = plan("bad.toml", SKETCH).read_text().replace("plates.h5", newer.name)
+        self.check_error(run("synthesize", write("bad.toml", text), "-o", FOLDER / "bad.csv"), 3, "newer.h5", "a newer program wrote it")
+        # None of the falls is within so small a box.
+        narrow = PLAN.replace("C_T = [0.8, 1.4]", "C_T = [1.1, 1.1000001]")
+        self.check_error(run("synthesize", plan("bad.toml", "[sequence]\npatterns = [\"zigzag\"]\n", narrow), "-o", FOLDER / "bad.csv"), 3,
+                         "zigzag is 0 of 0 falls of the database within [box]; the nearest has C_T = 1.")
+        write("rising.csv", "t,x,y\n0,0,40\n20,5,10\n20.5,5,25\n40,16,0\n")
+        self.check_error(run("synthesize", plan("bad.toml", "[path]\nfile = \"rising.csv\"\n"), "-o", FOLDER / "bad.csv"), 3,
+                         "rises by 30 in unit time from 20 on", "no fall of the database rises faster")
         other = PLAN.replace("inertia_ratio = 1.3", "inertia_ratio = 1.5")
         self.check_error(run("synthesize", plan("bad.toml", SKETCH, other), "-o", FOLDER / "bad.csv"), 3, "bad.toml:1", "inertia_ratio = 1.3")
         self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--resume"), 2, "to go on from")

@@ -1,5 +1,6 @@
 // Markov chains: estimates, the order that is selected, and what tells a chain that is right from one that only
 // reproduces how often each symbol comes.
+#include <array>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -123,6 +124,24 @@ TEST_CASE("draws have the probabilities of the chain") {
   // Four standard errors of a share of 3/4 among some 20,000.
   CHECK(to / from == Approx(0.75).margin(4.0 * std::sqrt(0.75 * 0.25 / from)));
   CHECK(chain.matrix()(0, 1) == Approx(0.75));
+}
+
+TEST_CASE("draws among some symbols have the probabilities of the chain given that it is one of them") {
+  const MarkovChain chain =
+      MarkovChain::of_counts((Eigen::Matrix3d() << 9.5, 29.5, 59.5, 1, 1, 1, 1, 1, 1).finished());
+  const std::array<char, 3> without_last = {0, 0, 1}, only_last = {1, 1, 0}, all = {0, 0, 0};
+  const std::vector<int> past = {0};
+  samara::Stream stream(2, 0), plain(3, 0), same(3, 0);
+  double second = 0.0;
+  for (int k = 0; k < 20000; ++k) {
+    const int drawn = chain.draw(past, without_last, stream);
+    REQUIRE(drawn < 2);
+    second += drawn;
+    REQUIRE(chain.draw(past, only_last, stream) == 2);
+    REQUIRE(chain.draw(past, all, same) == chain.draw(past, plain));
+  }
+  // 30 of 40, within four standard errors.
+  CHECK(second / 20000.0 == Approx(0.75).margin(4.0 * std::sqrt(0.75 * 0.25 / 20000.0)));
 }
 
 TEST_CASE(

@@ -62,6 +62,20 @@ TEST_CASE("transitions are counted between neighbours that are resolved, with th
   CHECK(transitions({{P::zigzag}, {P::spiral}}).upper.array().isNaN().all());
 }
 
+TEST_CASE("changes until a pattern comes are those of the chain, and unknown where one never changes") {
+  using P = Pattern;
+  const auto at = [](Pattern p) { return static_cast<Eigen::Index>(p); };
+  const Transitions all =
+      transitions({{P::zigzag, P::chaotic, P::zigzag, P::autorotation, P::chaotic, P::zigzag, P::chaotic}});
+  // From either, one change and then on from the other, unless it came there: two equations.
+  const double go = all.probability(at(P::zigzag), at(P::chaotic)),
+               back = all.probability(at(P::chaotic), at(P::zigzag));
+  CHECK(all.changes(at(P::zigzag), at(P::autorotation)) == Approx((1.0 + go) / (1.0 - go * back)));
+  CHECK(all.changes(at(P::chaotic), at(P::autorotation)) == Approx((1.0 + back) / (1.0 - go * back)));
+  CHECK(std::isnan(all.changes(at(P::zigzag), at(P::zigzag))));
+  CHECK(transitions({{P::zigzag, P::chaotic}}).changes.array().isNaN().all());
+}
+
 TEST_CASE("a person's words are compared with the rule on the same segments") {
   const TemporaryDirectory folder;
   const std::vector<Capture> captures = {capture_of("drops/a", plate({{"inertia_ratio", 0.8}})),

@@ -8,6 +8,7 @@
 #include "samara/io/toml_document.h"
 #include "samara/models/laws/registry.h"
 #include "samara/motion/planning/fall_cost.h"
+#include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/planner.h"
 #include "samara/motion/planning/window_search.h"
 
@@ -109,6 +110,27 @@ TEST_CASE("patterns are told by what the motion shows, stretch by stretch") {
   }
 }
 
+TEST_CASE("patterns of a film of places alone are looked for in the places of the fall alone") {
+  const auto film = [](const std::string& seen) {
+    return named_file("places.json", R"({"schema": "samara-patterns/1", "captures": [{"id": "a", )" + seen +
+                                         R"("windows": [{"pattern": "zigzag", "windows": 40}]}]})");
+  };
+  MotionPlan plan = sequence_plan(120.0);
+  plan.database = plate_motions();
+  const std::string drawn = "\"\nlength = 4\nseed = 1";
+  plan.sequence = read_text("chain = \"" + film("") + drawn);
+  CHECK_FALSE(plan.sequence->is_of_places);
+  plan.sequence = read_text("chain = \"" + film("\"attitude\": false, ") + drawn);
+  CHECK(plan.sequence->is_of_places);
+  const MotionResult motion = plan_motion(plan);
+  REQUIRE(motion.sequence->stretches.size() == 1);
+  // The phrase names what the rule has of places: sway or veers, never flips.
+  const std::string& why = motion.sequence->stretches.front().got.why;
+  CHECK_THAT(why, !Catch::Contains("flips") && !Catch::Contains("tilt"));
+  plan.sequence->is_of_places = false;
+  CHECK(plan_motion(plan).sequence->stretches.front().got.why != why);
+}
+
 TEST_CASE("a fall that is asked to be likely is likelier under the chain than one that is not") {
   MotionPlan plan = sequence_plan(100.0);
   // A chain that swings to and fro, as zigzags do.
@@ -167,6 +189,115 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   refuses("chain = \"" + named_file("odd.json", R"({"schema": "samara-chain/1", "symbols": 3})") +
               "\"\nlength = 2",
           "is damaged");
+}
+
+TEST_CASE("the dissertation's chain of patterns is drawn from, and ends in zigzag") {
+  bool has_ended = false, changes = false;
+  for (int seed = 1; seed <= 20; ++seed) {
+    const MotionSequence drawn =
+        read_text("chain = \"dissertation\"\nlength = 12\nevents = 1\nseed = " + std::to_string(seed));
+    bool is_zigzag = false;
+    for (std::size_t k = 0; k < 12; ++k) {
+      const Pattern pattern = *drawn.segments[k].pattern;
+      if (is_zigzag) REQUIRE(pattern == Pattern::zigzag);
+      is_zigzag = pattern == Pattern::zigzag;
+      changes = changes || (k > 0 && pattern != drawn.segments[k - 1].pattern);
+    }
+    has_ended = has_ended || is_zigzag;
+    CHECK(drawn.origin == "dissertation");
+  }
+  CHECK(has_ended);
+  CHECK(changes);
+}
+
+TEST_CASE("a database says before the search what it has no fall for, and no way to") {
+  MotionPlan plan = sequence_plan();
+  plan.database = plate_motions();
+  const auto& runs = plate_motions()->runs;
+  const auto some = std::ranges::find(runs, Pattern::zigzag, &MotionRun::pattern);
+  REQUIRE(some != runs.end());
+  for (std::size_t j = 0; j < plan.box.size(); ++j) {
+    plan.box[j].lower = some->coefficients[static_cast<Eigen::Index>(j)] - 1e-4;
+    plan.box[j].upper = plan.box[j].lower + 2e-4;
+  }
+  plan.sequence = read_text("patterns = [\"3 zigzag\"]");
+  require_patterns_in_box(plan);
+  plan.sequence = read_text("patterns = [\"3 autorotation\"]");
+  CHECK_THROWS_WITH(
+      require_patterns_in_box(plan),
+      Catch::Contains("autorotation is 0 of 1 falls of the database within [box]; the nearest has C_T = "));
+
+  // One fall that moves as no other does is an island.
+  auto island = std::make_shared<MotionDatabase>(*plate_motions());
+  const Eigen::Index apart = some - runs.begin();
+  island->runs[static_cast<std::size_t>(apart)].pattern = Pattern::helix;
+  for (Eigen::Index n = 0; n < island->segment_count(); ++n) {
+    if (island->segments[static_cast<std::size_t>(n)].run != apart) continue;
+    island->starts(n, 0) += 1e3;
+    island->ends(n, 0) += 1e3;
+  }
+  plan.database = island;
+  plan.sequence = read_text("patterns = [\"2 zigzag\", \"2 helix\"]", island.get());
+  CHECK_THROWS_WITH(require_ways(plan),
+                    Catch::Contains("helix after zigzag: from falls of that pattern no way"));
+  plan.sequence = read_text("patterns = [\"2 zigzag\", \"2 autorotation\", \"zigzag\"]", island.get());
+  require_ways(plan);
+  // No segment is a turn backward.
+  auto forward = std::make_shared<MotionDatabase>(*plate_motions());
+  for (MotionSegment& segment : forward->segments) {
+    if (segment.kind == EventKind::turn_minus) segment.kind = EventKind::turn_plus;
+  }
+  plan.database = forward;
+  plan.sequence = read_text("kinds = [\"swing+\", \"swing-\", \"turn-\"]", forward.get());
+  CHECK_THROWS_WITH(require_ways(plan), Catch::Contains("turn- after swing-: no segment of that kind leads"));
+}
+
+TEST_CASE("a sketch that rises as no fall does, or above the release, is refused") {
+  MotionPlan plan = sequence_plan(40.0);
+  plan.database = plate_motions();
+  const auto timed = [](double rise, double start) {
+    Eigen::MatrixX3d points(4, 3);
+    points << 0, 0, start, 0, 0, 20, 0, 0, 20 + rise, 0, 0, 0;
+    return Sketch(points, Eigen::Vector4d(0.0, 20.0, 21.0, 45.0));
+  };
+  // By the definition: plates of the database rise, if they do, by less than ten times the velocity scale.
+  plan.sketch = timed(10.0, 40.0);
+  CHECK_THROWS_WITH(require_rise(plan), Catch::Contains("rises by 10 in unit time from 20 on"));
+  plan.sketch = timed(1e-3, 40.0);
+  require_rise(plan);
+  plan.database.reset();
+  plan.sketch = timed(10.0, 40.0);
+  require_rise(plan);
+  plan.sketch = timed(30.0, 40.0);
+  plan.fixed["vx(0)"] = plan.fixed["vy(0)"] = 0.0;
+  CHECK_THROWS_WITH(require_rise(plan), Catch::Contains("is at height 50 at 21, above the release at 40"));
+  plan.fixed["vy(0)"] = 5.0;
+  require_rise(plan);
+}
+
+TEST_CASE("lines by formula begin at the release and go down to the ground, by their own law") {
+  const Eigen::Vector3d from(0.5, -0.25, 3.0);
+  const samara::models::RosePath rose = {.descent_speed = 0.5,
+                                         .amplitude_x = 0.2,
+                                         .amplitude_y = 0.2,
+                                         .modulation = 0.0,
+                                         .lobes = 4.0,
+                                         .angular_frequency = 4.0};
+  const Sketch spiral = sketch_of(rose, from, 0.0);
+  CHECK(spiral.points().row(0) == from.transpose());
+  CHECK(spiral.bottom() <= 0.0);
+  CHECK(spiral.bottom() > -0.05);
+  CHECK_FALSE(spiral.is_timed());
+  // A circle about a centre that lies an amplitude beside the release.
+  for (const auto& point : spiral.points().rowwise())
+    CHECK(std::hypot(point.x() - 0.3, point.y() + 0.25) == Approx(0.2));
+  // A period goes down by 2 pi U/W.
+  CHECK(spiral.points()(64, 2) == Approx(3.0 - 0.25 * 3.14159265358979));
+  const samara::models::SideToSidePath rising = {
+      .descent_speed = 0.1, .horizontal_speed = 0.5, .vertical_speed = 0.3, .angular_frequency = 5.0};
+  CHECK_THROWS_WITH(sketch_of(rising, from, 0.0), Catch::Contains("goes down"));
+  CHECK_THROWS_WITH(sketch_of(samara::models::RosePath{.descent_speed = 1e-9}, from, 0.0),
+                    Catch::Contains("more than 100000 points"));
 }
 
 TEST_CASE("search and windows ask one cost, and refining never loses the landing") {

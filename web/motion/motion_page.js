@@ -11,11 +11,11 @@
 
   function summary() {
     add(report, "p", page.message, "lead").id = "summary";
-    const made = table(report, ["status", "on the way#", "deviation#", "asked#", "from the landing place#", "knots#", "searched again#"]);
+    const made = table(report, ["status", "on the way#", "deviation#", "asked#", "from the landing place#", "knots#", "replayed until#"]);
     made.id = "status";
     const status = {text: page.status, name: page.status === "found" ? "good" : "bad"};
     row(made, [status, {value: page.end, digits: 5}, {value: page.deviation, digits: 4}, {value: page.asked_deviation, digits: 4},
-               {value: page.landing_miss, digits: 4}, {value: page.knots}, {value: page.closings}]);
+               {value: page.landing_miss, digits: 4}, {value: page.knots}, {value: page.replayed_until, digits: 5}]);
     add(report, "p", `Lengths in ${length === "1" ? "units of the model" : length}, times in ${time === "1" ? "units of the model" : time}. ` +
         "The motion is one solution of the model whose coefficients change; nothing in it is blended.", "soft");
   }
