@@ -108,15 +108,21 @@ void add_number(std::string& toml, const char* key, std::optional<double> value)
   if (value && std::isfinite(*value)) toml += fmt::format("{} = {}\n", key, *value);
 }
 
-/// The table among those of the equations that the error is about: expressions and names stand in different ones.
-std::optional<TomlTable> table_of(const TomlTable& table, const models::EquationError& error) {
-  std::vector<const char*> keys = {"parameters", "states", "let", "outputs", "rates"};
-  if (error.is_of_expression()) keys = {"rates", "let", "outputs"};
-  for (const char* key : keys) {
-    const std::optional<TomlTable> part = table.optional_table(key);
-    if (part && part->has(error.name())) return part;
+std::string key_of(models::EquationPart part) {
+  using enum models::EquationPart;
+  switch (part) {
+    case states:
+      return "states";
+    case parameters:
+      return "parameters";
+    case abbreviations:
+      return "let";
+    case rates:
+      return "rates";
+    case outputs:
+      return "outputs";
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace
@@ -150,8 +156,9 @@ std::shared_ptr<const models::Model> read_equation_model(const TomlTable& table)
   try {
     return models::equation_model(equations);
   } catch (const models::EquationError& error) {
-    if (const auto part = table_of(table, error)) throw part->error(error.name(), error.what());
-    throw table.error(table.has("states") ? "states" : "", error.what());
+    const std::string key = key_of(error.part());
+    if (!error.name().empty()) throw table.table(key).error(error.name(), error.what());
+    throw table.error(key, error.what());
   }
 }
 

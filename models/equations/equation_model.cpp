@@ -27,21 +27,22 @@ struct CompiledEquations {
   std::vector<int> rates, outputs;
 };
 
-void require_unit(const std::string& name, const std::string& unit) {
+void require_unit(EquationPart part, const std::string& name, const std::string& unit) {
   try {
     if (is_coherent_si(unit)) return;
   } catch (const ArgumentError& error) {
-    throw EquationError(name, fmt::format("the unit of \"{}\" cannot be read: {}", name, error.what()));
+    throw EquationError(part, name, fmt::format("the unit of \"{}\" cannot be read: {}", name, error.what()));
   }
-  throw EquationError(name,
+  throw EquationError(part, name,
                       fmt::format("the unit of \"{}\" is \"{}\", expected one of the SI without a factor, "
                                   "such as m/s: numbers go into the equations as they are",
                                   name, unit));
 }
 
-void require_finite(const std::string& name, double value, const char* what) {
+void require_finite(EquationPart part, const std::string& name, double value, const char* what) {
   if (!std::isfinite(value))
-    throw EquationError(name, fmt::format("{} of \"{}\" is {}, expected a finite number", what, name, value));
+    throw EquationError(part, name,
+                        fmt::format("{} of \"{}\" is {}, expected a finite number", what, name, value));
 }
 
 class EquationCompiler {
@@ -49,34 +50,35 @@ class EquationCompiler {
   explicit EquationCompiler(const Equations& equations) : equations_(equations) {}
 
   CompiledEquations compile() {
+    using enum EquationPart;
     check_counts();
     int number = 0;
     for (const StateInfo& state : equations_.states) {
-      require_finite(state.name, state.default_initial, "the initial value");
+      require_finite(states, state.name, state.default_initial, "the initial value");
       if (state.scale && !(*state.scale > 0.0 && std::isfinite(*state.scale)))
-        throw EquationError(state.name, fmt::format("the scale of \"{}\" is {}, expected a positive number",
-                                                    state.name, *state.scale));
-      declare(state.name, state.unit, number++);
+        throw EquationError(
+            states, state.name,
+            fmt::format("the scale of \"{}\" is {}, expected a positive number", state.name, *state.scale));
+      declare(states, state.name, state.unit, number++);
     }
     for (const ParameterInfo& parameter : equations_.parameters) {
-      if (parameter.default_value) require_finite(parameter.name, *parameter.default_value, "the default");
+      if (parameter.default_value)
+        require_finite(parameters, parameter.name, *parameter.default_value, "the default");
       if (parameter.default_value && !in_meaning(parameter, *parameter.default_value))
-        throw EquationError(parameter.name,
+        throw EquationError(parameters, parameter.name,
                             fmt::format("the default of \"{}\" is {}, expected {}", parameter.name,
                                         *parameter.default_value, meaning_text(parameter)));
-      declare(parameter.name, parameter.unit, number++);
+      declare(parameters, parameter.name, parameter.unit, number++);
     }
     compiled_.info.states = equations_.states;
     compiled_.info.parameters = equations_.parameters;
     const UnitPowers time(parse_unit(time_unit(compiled_.info)).dimension);
-    require_new("t");
     names_["t"] = {compiled_.graph.symbol(number), time};
     for (const auto& [name, text] : equations_.abbreviations) {
-      require_name(name);
-      const Term term = read(name, text);
-      require_new(name);
-      names_[name] = term;
+      require_new(abbreviations, name);
+      names_[name] = {-1, {}};
     }
+    for (const auto& [name, text] : equations_.abbreviations) names_[name] = read(abbreviations, name, text);
     for (std::size_t i = 0; i < equations_.states.size(); ++i) add_rate(equations_.states[i], i, time);
     for (const auto& [output, text] : equations_.outputs) add_output(output, text);
     describe();
@@ -86,65 +88,63 @@ class EquationCompiler {
  private:
   void check_counts() const {
     const std::size_t states = equations_.states.size(), rates = equations_.rates.size();
-    if (states == 0) throw EquationError("", "the equations have no state, expected at least one");
+    if (states == 0)
+      throw EquationError(EquationPart::states, "", "the equations have no state, expected at least one");
     if (states > kMostStates || equations_.parameters.size() > kMostParameters)
-      throw EquationError("", fmt::format("{} states and {} parameters, expected at most {} and {}", states,
-                                          equations_.parameters.size(), kMostStates, kMostParameters));
+      throw EquationError(EquationPart::states, "",
+                          fmt::format("{} states and {} parameters, expected at most {} and {}", states,
+                                      equations_.parameters.size(), kMostStates, kMostParameters));
     if (rates != states)
-      throw EquationError("", fmt::format("{} rates for {} states, expected one of each", rates, states));
+      throw EquationError(EquationPart::rates, "",
+                          fmt::format("{} rates for {} states, expected one of each", rates, states));
   }
 
-  void require_name(const std::string& name) const {
-    if (name == "t") throw EquationError(name, "\"t\" is the time, expected another name");
+  void require_new(EquationPart part, const std::string& name) const {
+    if (name == "t") throw EquationError(part, name, "\"t\" is the time, expected another name");
+    if (names_.contains(name))
+      throw EquationError(part, name, fmt::format("the name \"{}\" is given twice", name));
     if (!is_expression_name(name))
-      throw EquationError(name,
+      throw EquationError(part, name,
                           fmt::format("\"{}\" is no name: letters, digits and underscores were expected, no "
                                       "digit first, and neither a function nor pi",
                                       name));
   }
 
-  void require_new(const std::string& name) const {
-    if (names_.contains(name)) throw EquationError(name, fmt::format("the name \"{}\" is given twice", name));
-  }
-
-  void declare(const std::string& name, const std::string& unit, int number) {
-    require_name(name);
-    require_new(name);
-    require_unit(name, unit);
+  void declare(EquationPart part, const std::string& name, const std::string& unit, int number) {
+    require_new(part, name);
+    require_unit(part, name, unit);
     names_[name] = {compiled_.graph.symbol(number), UnitPowers(parse_unit(unit).dimension)};
   }
 
-  Term read(const std::string& name, const std::string& text) {
+  Term read(EquationPart part, const std::string& name, const std::string& text) {
     try {
       return read_expression(text, names_, compiled_.graph);
     } catch (const ArgumentError& error) {
-      throw EquationError(name, error.what(), true);
+      throw EquationError(part, name, error.what());
     }
   }
 
   void add_rate(const StateInfo& state, std::size_t index, const UnitPowers& time) {
-    const Term rate = read(state.name, equations_.rates[index]);
+    const Term rate = read(EquationPart::rates, state.name, equations_.rates[index]);
     const UnitPowers expected = names_.at(state.name).unit.times(time, -1);
     if (!(rate.unit == expected) && !compiled_.graph.is_constant(rate.node, 0.0))
-      throw EquationError(state.name,
+      throw EquationError(EquationPart::rates, state.name,
                           fmt::format("the rate of \"{}\" is in {}, expected {}: its unit per {}", state.name,
-                                      to_string(rate.unit), to_string(expected), to_string(time)),
-                          true);
+                                      to_string(rate.unit), to_string(expected), to_string(time)));
     compiled_.rates.push_back(rate.node);
   }
 
   void add_output(const OutputInfo& output, const std::string& text) {
-    require_name(output.name);
-    require_unit(output.name, output.unit);
-    const Term value = read(output.name, text);
-    require_new(output.name);
+    constexpr EquationPart kPart = EquationPart::outputs;
+    require_new(kPart, output.name);
+    require_unit(kPart, output.name, output.unit);
+    const Term value = read(kPart, output.name, text);
     names_[output.name] = value;
     const UnitPowers expected(parse_unit(output.unit).dimension);
     if (!(value.unit == expected) && !compiled_.graph.is_constant(value.node, 0.0))
-      throw EquationError(output.name,
+      throw EquationError(kPart, output.name,
                           fmt::format("\"{}\" is in {}, expected {}", output.name, to_string(value.unit),
-                                      to_string(expected)),
-                          true);
+                                      to_string(expected)));
     compiled_.info.outputs.push_back(output);
     compiled_.outputs.push_back(value.node);
   }
@@ -212,7 +212,8 @@ class EquationCompiler {
 
 void require_short(const ExpressionGraph& graph) {
   if (graph.size() > kMostNodes)
-    throw EquationError("", "the derivatives of the equations are too long to be stored");
+    throw EquationError(EquationPart::rates, "",
+                        "the derivatives of the equations are too long to be stored");
 }
 
 /// An entry of a Jacobian that is not always zero.

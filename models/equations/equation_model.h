@@ -38,19 +38,20 @@ struct Equations {
   std::vector<std::pair<OutputInfo, std::string>> outputs = {};
 };
 
+enum class EquationPart { states, parameters, abbreviations, rates, outputs };
+
 /// What is wrong with a set of equations, and where.
 class EquationError : public ArgumentError {
  public:
-  EquationError(std::string name, const std::string& sentence, bool is_of_expression = false)
-      : ArgumentError(sentence), name_(std::move(name)), is_of_expression_(is_of_expression) {}
+  EquationError(EquationPart part, std::string name, const std::string& sentence)
+      : ArgumentError(sentence), part_(part), name_(std::move(name)) {}
+  EquationPart part() const { return part_; }
   /// The state, parameter, abbreviation or output that it is about; empty: all of them.
   const std::string& name() const { return name_; }
-  /// About the expression of its rate or abbreviation; else about its name, unit or numbers.
-  bool is_of_expression() const { return is_of_expression_; }
 
  private:
+  EquationPart part_;
   std::string name_;
-  bool is_of_expression_;
 };
 
 /// The model finds out by itself which of its parameters it is affine in, and which states its rates do not depend on.

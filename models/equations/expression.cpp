@@ -113,7 +113,7 @@ class ExpressionReader {
       if (!plus && !take("-")) return left;
       const Term right = product();
       const UnitPowers unit = common_unit(place, plus ? "sum" : "difference", left, right);
-      left = {graph_.make(plus ? Operation::add : Operation::subtract, left.node, right.node), unit};
+      left = {make(place, plus ? Operation::add : Operation::subtract, left.node, right.node), unit};
     }
   }
 
@@ -125,7 +125,7 @@ class ExpressionReader {
       if (!times && !take("/")) return left;
       const Term right = signed_part();
       if (!times && graph_.is_constant(right.node, 0.0)) throw error(place, "divides by zero");
-      left = {graph_.make(times ? Operation::multiply : Operation::divide, left.node, right.node),
+      left = {make(place, times ? Operation::multiply : Operation::divide, left.node, right.node),
               left.unit.times(right.unit, times ? 1 : -1)};
     }
   }
@@ -148,7 +148,7 @@ class ExpressionReader {
     if (!exponent.unit.is_dimensionless())
       throw error(place,
                   fmt::format("the exponent is in {}, expected a plain number", to_string(exponent.unit)));
-    const int node = graph_.make(Operation::power, base.node, exponent.node);
+    const int node = make(place, Operation::power, base.node, exponent.node);
     if (base.unit.is_dimensionless()) return {node, base.unit};
     const ExpressionNode& number = graph_[exponent.node];
     const auto fraction = number.operation == Operation::constant ? fraction_of(number.value) : std::nullopt;
@@ -215,6 +215,8 @@ class ExpressionReader {
     if (is_call) return call(name, place);
     if (name == "pi") return {graph_.constant(std::numbers::pi), {}};
     const auto it = names_.find(name);
+    if (it != names_.end() && it->second.node < 0)
+      throw error(place, fmt::format("\"{}\" is not known here yet, expected one given before", name));
     if (it != names_.end()) return it->second;
     if (find_function(name) != nullptr)
       throw error(place, fmt::format("the function {} stands without its argument in parentheses", name));
@@ -230,7 +232,8 @@ class ExpressionReader {
         throw error(place, fmt::format("\"{}\" is no function; a product is written with *", name));
       std::vector<std::string> known;
       for (const Function& other : kFunctions) known.emplace_back(other.name);
-      throw error(place, fmt::format("there is no function \"{}\"{}", name, suggestion(name, known)));
+      const std::string hint = name == "ln" ? "; \"log\" is the natural logarithm" : suggestion(name, known);
+      throw error(place, fmt::format("there is no function \"{}\"{}", name, hint));
     }
     const Term first = sum();
     Term second;
@@ -240,7 +243,7 @@ class ExpressionReader {
       second = sum();
     }
     expect(")");
-    return {graph_.make(function->operation, first.node, binary ? second.node : -1),
+    return {make(place, function->operation, first.node, binary ? second.node : -1),
             unit_of_call(*function, place, first, binary ? &second : nullptr)};
   }
 
@@ -267,6 +270,17 @@ class ExpressionReader {
     if (graph_.is_constant(left.node, 0.0)) return right.unit;
     throw error(place, fmt::format("{} of something in {} and something in {}, expected equal units", what,
                                    to_string(left.unit), to_string(right.unit)));
+  }
+
+  /// @throws ArgumentError where numbers alone make one that is not finite
+  int make(std::size_t place, Operation operation, int a, int b = -1) {
+    const int node = graph_.make(operation, a, b);
+    const auto value = [&](int of) { return of < 0 ? 0.0 : graph_[of].value; };
+    const auto is_number = [&](int of) { return of < 0 || graph_[of].operation == Operation::constant; };
+    if (is_number(a) && is_number(b) && !is_number(node))
+      throw error(place, fmt::format("the result is {}, expected a finite number",
+                                     apply(operation, value(a), value(b))));
+    return node;
   }
 
   void skip_blanks() {

@@ -12,7 +12,7 @@ namespace samara::models {
 
 /// Part of an expression, and what it is measured in.
 struct Term {
-  int node = 0;
+  int node = 0;  ///< negative: of a name that is given later
   UnitPowers unit;
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <cvodes/cvodes_ls.h>
+#include <fmt/format.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
@@ -63,12 +64,8 @@ IntegrateStatus status_of(int flag) {
   }
 }
 
-constexpr const char* kNotFinite = "the right-hand side is not finite, however small the step";
-
 std::string reason(IntegrateStatus status, int flag, const IntegrateOptions& options) {
   switch (status) {
-    case IntegrateStatus::not_finite:
-      return kNotFinite;
     case IntegrateStatus::step_too_small:
       return "no step meets the relative tolerance " + number_text(options.relative_tolerance);
     default:
@@ -174,17 +171,29 @@ IntegrateStatus CvodesSolver::step(double& t, double end, std::string& message) 
   if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
   if (flag < 0) {
     const IntegrateStatus status = status_of(flag);
-    message = reason(status, flag, options_);
+    message = status == IntegrateStatus::not_finite ? not_finite_text() : reason(status, flag, options_);
     return status;
   }
   if (!(after > t)) {
     // Steps shrank to nothing in front of a time where f does not exist, or in front of a singularity.
     const bool in_front = not_finite_at_ >= t;
-    message = in_front ? kNotFinite : "the step is too small to advance time";
+    message = in_front ? not_finite_text() : "the step is too small to advance time";
     return in_front ? IntegrateStatus::not_finite : IntegrateStatus::step_too_small;
   }
   t = after;
   return IntegrateStatus::done;
+}
+
+/// With the first state whose rate is not: else it is a derivative that does not exist.
+std::string CvodesSolver::not_finite_text() const {
+  const auto bad = std::ranges::find_if_not(rate_, [](double rate) { return std::isfinite(rate); });
+  const std::string which =
+      bad == rate_.end()
+          ? std::string()
+          : fmt::format(" (the rate of \"{}\" is {})",
+                        model_.model().info().states[static_cast<std::size_t>(bad - rate_.begin())].name,
+                        *bad);
+  return fmt::format("the right-hand side is not finite{}, however small the step", which);
 }
 
 void CvodesSolver::interpolate(double t) {
@@ -220,7 +229,9 @@ int CvodesSolver::state_rate(double t, N_Vector x, N_Vector dxdt, void* self) {
   return solver.guarded(t, [&] {
     solver.model_.rhs(t, entries(x), solver.q_, entries(dxdt), solver.workspace_);
     ++solver.evaluations_;
-    return all_finite(entries(dxdt));
+    if (all_finite(entries(dxdt))) return true;
+    std::ranges::copy(entries(dxdt), solver.rate_.begin());
+    return false;
   });
 }
 

@@ -57,6 +57,7 @@ class CvodesSolver {
                               void* self, N_Vector, N_Vector);
   template <class Body>
   int guarded(double t, Body body);
+  std::string not_finite_text() const;
 
   ParametricModel model_;
   IntegrateOptions options_;
@@ -67,7 +68,7 @@ class CvodesSolver {
   RhsDerivatives derivatives_;        ///< at (linearised_t_, linearised_x_)
   std::vector<double> linearised_x_;  ///< empty: not linearised yet
   double linearised_t_ = 0.0;
-  std::vector<double> rate_;  ///< f at the same point
+  std::vector<double> rate_;  ///< f at the same point; where it was not finite
   long evaluations_ = 0;
   /// The latest time at which f, or a derivative, was not finite; -1: there was none.
   double not_finite_at_ = -1.0;

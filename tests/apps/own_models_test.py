@@ -122,6 +122,9 @@ share = "cos(angle)"
         for old, new, line in [('unit = "m"', 'unit = "cm"', 3), ("initial = 1", "initial = 1, scale = 0", 3),
                                ('unit = "1/s"', 'unit = "kHz"', 5), ('"-rate*x"', '"-rat*x"', 7), ('"-rate*x"', '"rate"', 7)]:
             self.check_error(run("models", write("wrong.toml", MODEL.replace(old, new))), 3, f"wrong.toml:{line}:")
+        # A name that is taken is named where it is given the second time.
+        for table in ('[outputs]\nx = "2*x"', '[let]\nrate = "2*x"'):
+            self.check_error(run("models", write("taken.toml", MODEL + table + "\n")), 3, f"taken.toml:9: {table.split()[0]}", "given twice")
 
     def test_a_library_that_is_none_or_cut_short(self):
         whole = pathlib.Path(SAMARA).read_bytes()

@@ -185,6 +185,10 @@ TEST_CASE("what is no expression is refused with its column and what was expecte
       {"x(2)", "\"x\" is no function; a product is written with *"},
       {"atan2(x)", "\",\" was expected"},
       {"x/0", "divides by zero"},
+      {"x + sqrt(-1)", "at column 5: the result is"},
+      {"log(0)*x", "at column 1: the result is -inf, expected a finite number"},
+      {"x*10^1000", "the result is inf"},
+      {"ln(x)", "\"log\" is the natural logarithm"},
       {"3 [furlong]", "furlong"},
       {"3 [m", "no \"]\" follows"},
       {std::string(500, '('), "more than 200 deep"},
@@ -228,6 +232,10 @@ TEST_CASE("names, numbers and counts that make no model are refused") {
   };
   CHECK_THAT(changed([](Equations& e) { e.states.clear(); }), Contains("no state"));
   CHECK_THAT(changed([](Equations& e) { e.rates.pop_back(); }), Contains("1 rates for 2 states"));
+  CHECK_THAT(changed([](Equations& e) {
+               e.abbreviations = {{"a", "2*b"}, {"b", "x"}};
+             }),
+             Contains("\"b\" is not known here yet"));
   CHECK_THAT(changed([](Equations& e) { e.states[0].name = "t"; }), Contains("\"t\" is the time"));
   CHECK_THAT(changed([](Equations& e) { e.states[0].name = "v"; }), Contains("\"v\" is given twice"));
   CHECK_THAT(changed([](Equations& e) { e.parameters[0].name = "sin"; }), Contains("\"sin\" is no name"));

@@ -164,7 +164,7 @@ TEST_CASE("a right-hand side that ceases to exist ends with a status, at that ti
   CHECK(beyond.status == IntegrateStatus::not_finite);
   CHECK(beyond.reached <= 1.0);
   CHECK(beyond.reached > 0.9);
-  CHECK_THAT(beyond.message, Catch::Contains("the right-hand side is not finite"));
+  CHECK_THAT(beyond.message, Catch::Contains("the right-hand side is not finite (the rate of \""));
   CHECK_THAT(beyond.states(0, 0),
              WithinAbs(2.0 / 3.0 * (1.0 - std::pow(0.5, 1.5)), promised(beyond, 1e-10, 1.0)));
 }
