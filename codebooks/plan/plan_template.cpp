@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/names.h"
 #include "samara/base/number_text.h"
 #include "samara/base/unit_labels.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/io/toml_edit.h"
 
 namespace samara::codebooks {
@@ -87,7 +89,7 @@ const models::ParameterInfo& freed(const std::vector<models::ParameterInfo>& par
 
 std::string comment_of(const std::string& unit, const std::string& text) {
   const std::string suffix = unit_suffix(unit);
-  return fmt::format("  #{}{}{}\n", suffix, suffix.empty() ? " " : ", ", text);
+  return fmt::format("  #{}{}{}\n", suffix, suffix.empty() ? " " : ", ", printable(text));
 }
 
 std::string line(const std::string& key, const std::string& value, const std::string& comment) {
@@ -96,9 +98,9 @@ std::string line(const std::string& key, const std::string& value, const std::st
 
 std::string head(const models::ModelInfo& info, const std::string& name) {
   return fmt::format(
-      "# {}\n# samara models {} explains it; docs/plans.md all that a plan may say.\nmodel = \"{}\"\ntitle = "
-      "\"{}\"\n",
-      info.title, info.name, name, info.title);
+      "# {}\n# samara models {} explains it; docs/plans.md all that a plan may say.\nmodel = {}\ntitle = "
+      "{}\n",
+      printable(info.title), printable(name), quoted_toml(name), quoted_toml(info.title));
 }
 
 std::string tail(double end, const std::string& time_unit) {

@@ -104,6 +104,13 @@ share = "cos(angle)"
         plan = write("plan_only.toml", 'model = "decay.toml"\n' + BOX)
         self.check_error(run("models", plan), 3, "the plan holds no [equations]")
 
+    def test_the_plan_to_begin_with_holds_whatever_a_model_says_of_itself(self):
+        path = write("said.toml", 'title = "\\"x\\"\\nend = 2"\n' + MODEL.replace('default = 0.5', 'description = "of\\nx"'))
+        plan = run("plan", path)
+        self.assertIn(f"# samara models {path} explains it", plan.stdout)
+        begun = write("said_plan.toml", plan.stdout)
+        self.assertEqual(run("build", begun, "--dry-run").returncode, 0, plan.stdout)
+
     def test_a_model_is_not_overwritten_by_what_is_made_of_it(self):
         path = write("kept.toml", MODEL)
         plan = write("kept_plan.toml", 'model = "kept.toml"\n' + BOX)

@@ -39,7 +39,7 @@ class Excerpts(unittest.TestCase):
         self.assertIn(f"```python\n{textwrap.dedent(loop)}\n```", text("docs/plans.md"))
 
     def test_own_model(self):
-        for name in ["predator_prey.toml", "plan.toml", "predator_prey.h", "own_model.cpp", "library.cpp"]:
+        for name in ["predator_prey.toml", "plan.toml", "counts.toml", "fit.toml", "predator_prey.h", "own_model.cpp", "library.cpp"]:
             kind = "toml" if name.endswith("toml") else "cpp"
             self.assertIn(f"```{kind}\n{text('examples/own_model/' + name)}```", text("docs/own_models.md"))
 

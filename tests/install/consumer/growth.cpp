@@ -1,19 +1,6 @@
-// A library of models against the installed headers.
-#include <samara/models/laws/model_library.h>
+// The law as a library for the command.
+#include "growth.h"
 
-struct Growth {
-  static constexpr int kStates = 1, kParameters = 1;
-  static samara::models::ModelInfo info() {
-    return {.name = "growth",
-            .title = "What grows by itself",
-            .equations = "x' = rate x",
-            .states = {{.name = "x", .unit = "1", .default_initial = 1.0}},
-            .parameters = {{.name = "rate", .unit = "1/s"}}};
-  }
-  template <class S>
-  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
-    dxdt[0] = p[0] * x[0];
-  }
-};
+#include <samara/models/laws/model_library.h>
 
 SAMARA_MODEL_LIBRARY(Growth)

@@ -1,24 +1,47 @@
-// A user's program: builds a small codebook, asks it, and compares with the exact solution.
+// A user's program: makes a model of a law of its own, builds and saves its codebook, asks it, compares with the exact
+// solution, and fits what it computed itself.
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 #include <samara/codebooks/build/build.h>
+#include <samara/codebooks/composition/codebook_trajectories.h>
 #include <samara/codebooks/file/save.h>
 #include <samara/codebooks/query/query.h>
 #include <samara/identification/fit/fit.h>
+#include <samara/models/checks/check_model.h>
+
+#include "growth.h"
+
+using namespace samara;
 
 int main(int argc, char** argv) {
-  const auto plan = samara::codebooks::parse_plan(
-      "model = \"constant_rate\"\n[box]\nk = [1.0, 10.0]\n[time]\nend = 10.0\n[tolerance]\nrelative = 1e-9\n",
-      "plan");
-  const auto result = samara::codebooks::build(plan);
-  samara::codebooks::Query query(result.book);
-  Eigen::VectorXd u(1);
-  const double point[] = {7.0, 4.0};  // t, k
-  query.values(point, u);
-  if (argc > 1) samara::codebooks::save(result.book, argv[1]);
-  const double exact = (10.0 / 4.0 - 1.0) * 7.0;
-  std::printf("u = %.15g, exact %.15g, fit: %s\n", u[0], exact,
-              samara::identification::FitResult{}.message.c_str());
-  return result.met && std::abs(u[0] - exact) < 1e-9 ? 0 : 1;
+  const auto model = models::make_model<Growth>();
+  if (!models::check_model(*model).passed()) return 1;
+  codebooks::BuildRequest request;
+  request.box = {{.name = "rate", .lower = 0.2, .upper = 0.8}};
+  request.end = 2.0;
+  request.relative = 1e-9;
+  const auto result = codebooks::build(models::ParametricModel(model, {}, {"rate"}), request);
+  std::printf("%s\n", result.message.c_str());
+  if (argc > 1) codebooks::save(result.book, argv[1]);
+
+  codebooks::Query query(result.book);
+  Eigen::VectorXd x(1);
+  const double point[] = {2.0, 0.5};  // t, rate
+  query.values(point, x);
+  std::printf("x = %.15g, exact %.15g\n", x[0], std::exp(1.0));
+
+  identification::Capture capture;
+  capture.id = "computed";
+  capture.times = Eigen::VectorXd::LinSpaced(21, 0.0, 2.0);
+  capture.channels = {
+      {.quantity = "x", .unit = "1", .values = (0.63 * capture.times.array()).exp().matrix()}};
+  const auto family = codebooks::codebook_trajectories(result.book);
+  const auto fit = identification::fit(*family, std::vector{capture}, {.loss = {.scales = {{"x", 0.01}}}});
+  std::printf("rate = %.9g, computed with 0.63\n", fit.coefficients[0].value);
+  return result.met && std::abs(x[0] - std::exp(1.0)) < 1e-8 &&
+                 std::abs(fit.coefficients[0].value - 0.63) < 1e-7
+             ? 0
+             : 1;
 }

@@ -1,0 +1,19 @@
+// A law of a user's own, against the installed headers.
+#pragma once
+
+#include <samara/models/laws/law_model.h>
+
+struct Growth {
+  static constexpr int kStates = 1, kParameters = 1;
+  static samara::models::ModelInfo info() {
+    return {.name = "growth",
+            .title = "What grows by itself",
+            .equations = "x' = rate x",
+            .states = {{.name = "x", .unit = "1", .default_initial = 1.0}},
+            .parameters = {{.name = "rate", .unit = "1/s"}}};
+  }
+  template <class S>
+  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
+    dxdt[0] = p[0] * x[0];
+  }
+};
