@@ -159,7 +159,8 @@ void check_frames(const SimulateArguments& arguments, const models::ModelInfo& i
 
 /// What --integrator and --step say.
 models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const models::ModelInfo& info) {
-  const bool fixed = arguments.integrator != "cvodes" && arguments.integrator != "adaptive";
+  const bool stiff = arguments.integrator == "bdf";
+  const bool fixed = !stiff && arguments.integrator != "cvodes" && arguments.integrator != "adaptive";
   if (fixed && arguments.step.empty()) {
     throw ArgumentError(
         fmt::format("--integrator {} takes fixed steps: --step was expected", arguments.integrator));
@@ -173,7 +174,7 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
       arguments.wind.empty() ? std::numeric_limits<double>::infinity() : shortest_gust(arguments.wind);
   const double longest = std::isfinite(gust) ? 0.25 * gust : 0.0;
   if (arguments.integrator == "adaptive") return models::AdaptiveOptions{.max_step = longest};
-  if (!fixed) return models::IntegrateOptions{.max_step = longest};
+  if (!fixed) return models::IntegrateOptions{.stiff = stiff, .max_step = longest};
   const double step = number_or_quantity("--step", arguments.step, models::time_unit(info));
   if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
   if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, step);

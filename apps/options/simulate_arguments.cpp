@@ -82,11 +82,12 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
       ->capture_default_str()
       ->check(whole_number());
   command
-      ->add_option("--integrator", values->integrator,
-                   "cvodes (the reference), adaptive (orders 7 and 8), or with fixed steps: rk4, rkmk (the "
-                   "attitude stays a rotation), lie_group (of one rigid body: neither energy nor momentum "
-                   "drifts)")
-      ->check(CLI::IsMember({"cvodes", "adaptive", "rk4", "rkmk", "lie_group"}))
+      ->add_option(
+          "--integrator", values->integrator,
+          "cvodes (the reference), bdf (the same for stiff equations), adaptive (orders 7 and 8), or "
+          "with fixed steps: rk4, rkmk (the attitude stays a rotation), lie_group (of one rigid body: "
+          "neither energy nor momentum drifts)")
+      ->check(CLI::IsMember({"cvodes", "bdf", "adaptive", "rk4", "rkmk", "lie_group"}))
       ->capture_default_str();
   command->add_option("--step", values->step,
                       "of rk4, rkmk, lie_group and realisations, s or with a unit; frames divide it further");

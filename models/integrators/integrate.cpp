@@ -12,7 +12,9 @@ void advance(CvodesSolver& solver, double& t, double target, double end, Traject
   while (t < target && result.status == IntegrateStatus::done) {
     if (result.steps == solver.options().max_steps) {
       result.status = IntegrateStatus::too_many_steps;
-      result.message = "that is all the steps allowed";
+      result.message = solver.options().stiff
+                           ? "that is all the steps allowed"
+                           : "that is all the steps allowed; stiff equations need fewer by BDF";
       return;
     }
     result.status = solver.step(t, end, result.message);

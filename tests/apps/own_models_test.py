@@ -104,6 +104,28 @@ share = "cos(angle)"
         plan = write("plan_only.toml", 'model = "decay.toml"\n' + BOX)
         self.check_error(run("models", plan), 3, "the plan holds no [equations]")
 
+    def test_stiff_equations_take_few_steps_by_backward_differences(self):
+        path = write("stiff.toml", """name = "stiff"
+[states]
+x = { initial = 2 }
+v = { unit = "1/s" }
+[parameters]
+mu = { default = 1000 }
+w = { unit = "1/s", default = 1 }
+[rates]
+x = "v"
+v = "mu*w*(1 - x^2)*v - w^2*x"
+""")
+        ask = ["simulate", path, "--until", "400", "--frames", "2"]
+        failed = run(*ask)
+        self.assertEqual(failed.returncode, 4)
+        self.assertIn("stiff equations need fewer by BDF", failed.stderr)
+        done = run(*ask, "--integrator", "bdf")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        # The slow branch: v = -x/(mu (x^2 - 1)) to order 1/mu^2, of which ln x - x^2/2 = t/mu + const is the integral.
+        x = float(done.stdout.splitlines()[-1].split(",")[1])
+        self.assertAlmostEqual(math.log(x) - x * x / 2, math.log(2) - 2 + 0.4, delta=1e-4)
+
     def test_the_plan_to_begin_with_holds_whatever_a_model_says_of_itself(self):
         path = write("said.toml", 'title = "\\"x\\"\\nend = 2"\n' + MODEL.replace('default = 0.5', 'description = "of\\nx"'))
         plan = run("plan", path)
