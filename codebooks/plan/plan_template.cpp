@@ -100,7 +100,7 @@ std::string head(const models::ModelInfo& info, const std::string& name) {
   return fmt::format(
       "# {}\n# samara models {} explains it; docs/plans.md all that a plan may say.\nmodel = {}\ntitle = "
       "{}\n",
-      printable(info.title), printable(name), quoted_toml(name), quoted_toml(info.title));
+      printable(info.title), printable(name), quoted_toml(name), quoted_toml(printable(info.title)));
 }
 
 std::string tail(double end, const std::string& time_unit) {
