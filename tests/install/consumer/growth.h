@@ -9,8 +9,11 @@ struct Growth {
     return {.name = "growth",
             .title = "What grows by itself",
             .equations = "x' = rate x",
-            .states = {{.name = "x", .unit = "1", .default_initial = 1.0}},
-            .parameters = {{.name = "rate", .unit = "1/s"}}};
+            .frames = "a number",
+            .source = "T. R. Malthus, An Essay on the Principle of Population (1798)",
+            .validity = "as long as nothing is short",
+            .states = {{.name = "x", .unit = "1", .default_initial = 1.0, .description = "how many"}},
+            .parameters = {{.name = "rate", .unit = "1/s", .description = "births less deaths"}}};
   }
   template <class S>
   static void rhs(const S&, const S* x, const S* p, S* dxdt) {

@@ -17,7 +17,8 @@ using namespace samara;
 
 int main(int argc, char** argv) {
   const auto model = models::make_model<Growth>();
-  if (!models::check_model(*model).passed()) return 1;
+  const Check check = models::check_model(*model);
+  for (const std::string& finding : check.findings) std::printf("%s\n", finding.c_str());
   codebooks::BuildRequest request;
   request.box = {{.name = "rate", .lower = 0.2, .upper = 0.8}};
   request.end = 2.0;
@@ -40,7 +41,7 @@ int main(int argc, char** argv) {
   const auto family = codebooks::codebook_trajectories(result.book);
   const auto fit = identification::fit(*family, std::vector{capture}, {.loss = {.scales = {{"x", 0.01}}}});
   std::printf("rate = %.9g, computed with 0.63\n", fit.coefficients[0].value);
-  return result.met && std::abs(x[0] - std::exp(1.0)) < 1e-8 &&
+  return check.passed() && result.met && std::abs(x[0] - std::exp(1.0)) < 1e-8 &&
                  std::abs(fit.coefficients[0].value - 0.63) < 1e-7
              ? 0
              : 1;
