@@ -57,11 +57,27 @@ FollowOptions requested_options(const models::Model& model, const FitResult& fit
   return options;
 }
 
+/// Whether two names are those of one file.
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code missing;
+  return a == b || std::filesystem::equivalent(a, b, missing);
+}
+
+/// @param track that is followed: what comes in it must not be known beforehand
 NoiseChoice chosen_noise(const std::shared_ptr<const models::Model>& model, const FitResult& fitted,
-                         const FollowRequest& request) {
+                         const Capture& track, const FollowRequest& request) {
   std::vector<Capture> captures;
   for (const std::filesystem::path& file : request.training) {
-    for (Capture& capture : captures_in(file, request.sidecar)) captures.push_back(std::move(capture));
+    for (Capture& capture : captures_in(file, request.sidecar)) {
+      if (capture.id == track.id && is_same_file(capture.file, track.file)) {
+        throw InputError(
+            file.string(),
+            fmt::format("capture \"{}\" is the track that is followed; training captures that it "
+                        "is not among were expected",
+                        capture.id));
+      }
+      captures.push_back(std::move(capture));
+    }
   }
   std::vector<FollowOptions> options;
   for (const Capture& capture : captures)
@@ -104,7 +120,7 @@ FollowReport follow_files(const FollowRequest& request) {
                                  tracks.size()));
   }
   if (!request.training.empty()) {
-    report.noise = chosen_noise(model, fitted, request);
+    report.noise = chosen_noise(model, fitted, tracks.front(), request);
     report.noise_was_chosen = true;
   } else if (request.noise.velocity == 0.0 && request.noise.rate == 0.0) {
     report.warnings.push_back(

@@ -23,8 +23,9 @@ struct FollowRequest {
   /// Of that fit, TOML: where it found what is known of each capture, and its steps. Empty: labels of coordinates' own
   /// names, and steps of FollowOptions.
   std::filesystem::path config = {};
-  std::vector<std::filesystem::path> training = {};  ///< captures on which noise is chosen; empty: as given
-  double ahead = 0.0;                                ///< s; 0: no forecasts
+  /// Captures on which noise is chosen, not the track among them; empty: as given.
+  std::vector<std::filesystem::path> training = {};
+  double ahead = 0.0;  ///< s; 0: no forecasts
   /// As given where it is not chosen, and where the choice begins; all 0 but the factor: the model is exact.
   NoiseChoice noise = {.velocity = 0.0, .rate = 0.0, .spread = 0.0, .drift = 0.0};
   /// Noise of outputs, or of the "attitude", SI, in place of the fit's, once names and units are known. Empty: none.

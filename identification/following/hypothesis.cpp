@@ -217,8 +217,10 @@ HypothesisFilter::Update HypothesisFilter::update(Hypothesis& hypothesis, double
   error_.setZero();
   double raised = 1.0;
   for (int iteration = 0; iteration < model_.options().iterations; ++iteration) {
-    // What is seen is bent much less over one step than the motion to it: its first derivatives do for all iterations.
-    if (!compare(moved_, t, frame, residuals_, iteration == 0 ? &by_errors_ : nullptr, variances_))
+    // What is seen is bent much less over one step than the motion to it: its first derivatives do for all iterations,
+    // but for those of a turn, which the step may have turned far.
+    const bool is_bent = iteration == 0 || model_.attitude_is_measured();
+    if (!compare(moved_, t, frame, residuals_, is_bent ? &by_errors_ : nullptr, variances_))
       return {.is_finite = false};
     variances_ *= raised;
     half_ = hypothesis.covariance;
@@ -270,6 +272,8 @@ HypothesisFilter::Update HypothesisFilter::update(Hypothesis& hypothesis, double
   hypothesis.covariance.noalias() += gain_.transpose() * cross_;
   joseph_ = hypothesis.covariance.transpose();
   hypothesis.covariance = 0.5 * (hypothesis.covariance + joseph_);
+  // So far of errors about the point before the last step.
+  model_.carry(step_, hypothesis.covariance, scratch_);
   hypothesis.point = moved_;
   return result;
 }

@@ -94,6 +94,7 @@ class Follows(Case):
         self.check_error(run("follow", "vertical_fall", fit, track, "--ahead", "-1"), 2, "--ahead is -1")
         self.check_error(run("follow", "vertical_fall", fit, track, "--noise", "y=1"), 2, 'no output "y"')
         self.check_error(run("follow", "vertical_fall", track, track), 3, "the JSON of a fit")
+        self.check_error(run("follow", "vertical_fall", fit, track, "--train", FOLDER / "a.csv", track), 3, "is the track that is followed")
         self.check_error(run("follow", "vertical_fall", fit, write("other.csv", "t[s],y[m]\n0,0\n0.1,0\n0.2,0\n")), 2, "measures nothing")
 
 

@@ -388,6 +388,30 @@ TEST_CASE("an attitude stays a unit quaternion and is found from places alone, o
   }
 }
 
+TEST_CASE("errors about an attitude that an update turned far are those of the frame that showed it") {
+  constexpr double kTurnNoise = 1e-3;  // rad
+  FollowOptions options;
+  options.fixed = {{"a", 0.05},   {"b", 0.05},    {"c", 1e-3},  {"density", 100.0}, {"fluid_density", 1.2},
+                   {"C_D0", 0.1}, {"C_D90", 2.0}, {"C_T", 1.0}, {"C_R", 1.0},       {"C_w", 3.0}};
+  for (const char* place : {"x", "y", "z"}) options.noise[place] = 1e-3;
+  for (const char* velocity : {"ux", "uy", "uz"}) options.start[velocity] = {0.0, 0.1};
+  // After a frame the attitude is known to a radian: the next one says all.
+  for (const char* rate : {"wx", "wy", "wz"}) options.start[rate] = {0.0, 100.0};
+  options.attitude_noise = kTurnNoise;
+  options.start_frames = 1;
+  Follower follower(models::find_model("immersed_body"), options);
+  const double half = 0.5;
+  follower.add(0.0, std::vector<double>{0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0});
+  follower.add(kFrame, std::vector<double>{0.0, 0.0, 0.0, std::cos(half), 0.6 * std::sin(half), 0.0,
+                                           0.8 * std::sin(half)});
+  const auto& names = follower.error_names();
+  const auto at = std::ranges::find(names, "turn about x") - names.begin();
+  REQUIRE(at + 3 <= std::ssize(names));
+  const Eigen::Matrix3d errors = follower.state().covariance.block<3, 3>(at, at) / (kTurnNoise * kTurnNoise);
+  CAPTURE(errors);
+  CHECK((errors - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.01);
+}
+
 TEST_CASE("a follower passes over frames that are blind and far off, and says so") {
   const auto model = models::find_model("falling_plate");
   const FollowOptions options = plate_options({});
