@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include <fmt/format.h>
+
+#include "samara/base/parallel.h"
+#include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
 
 namespace {
-
-constexpr std::size_t kSlots = 10;
 
 AskedMoment asked(const CapturePrediction& one, const Quantity& quantity, Eigen::Index frame, int cluster) {
   AskedMoment moment{.moment = {.cluster = cluster, .seen = seen_of(one, quantity)},
@@ -20,6 +23,39 @@ AskedMoment asked(const CapturePrediction& one, const Quantity& quantity, Eigen:
                                        : Eigen::RowVectorXd();
   if (model.size() > 0 && model.allFinite()) moment.model = model;
   return moment;
+}
+
+/// s, of a frame beyond the last one seen.
+double ahead_of(const CapturePrediction& one, Eigen::Index frame) {
+  return one.times[frame] - one.seen.times[one.seen.times.size() - 1];
+}
+
+/// s, the shortest between frames of a capture.
+double shortest_interval(std::span<const CapturePrediction> predictions) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const CapturePrediction& one : predictions)
+    shortest = std::min(shortest, median_interval(one.seen.times));
+  return shortest;
+}
+
+/// A frame of a prediction.
+struct FrameAhead {
+  std::size_t prediction;
+  Eigen::Index frame;
+};
+
+/// Frames by how many of the shortest intervals they lie ahead.
+std::map<long, std::vector<FrameAhead>> frames_by_horizon(std::span<const CapturePrediction> predictions) {
+  std::map<long, std::vector<FrameAhead>> frames;
+  const double interval = shortest_interval(predictions);
+  for (std::size_t k = 0; k < predictions.size(); ++k) {
+    for (Eigen::Index frame = 0; frame < predictions[k].times.size(); ++frame)
+      frames[std::lround(ahead_of(predictions[k], frame) / interval)].push_back({k, frame});
+  }
+  std::size_t most = 0;
+  for (const auto& [horizon, of_horizon] : frames) most = std::max(most, of_horizon.size());
+  std::erase_if(frames, [&](const auto& of_horizon) { return 2 * of_horizon.second.size() < most; });
+  return frames;
 }
 
 }  // namespace
@@ -35,36 +71,39 @@ MotionForecasts::MotionForecasts(std::span<const Quantity> compared,
                                  std::span<const CapturePrediction> predictions,
                                  const PredictionOptions& prediction)
     : compared_(compared.begin(), compared.end()), prediction_(prediction), trained_(compared.size()) {
+  const std::map<long, std::vector<FrameAhead>> frames = frames_by_horizon(predictions);
   for (std::size_t q = 0; q < compared_.size(); ++q) {
-    if (compared_[q].is_attitude || compared_[q].period != 0.0 || predictions.empty()) continue;
-    std::vector<std::vector<AskedMoment>> moments(kSlots);
-    for (const CapturePrediction& one : predictions) {
-      for (Eigen::Index frame = 0; frame < one.times.size(); ++frame)
-        moments[slot_of(one.times[frame])].push_back(asked(one, compared_[q], frame, one.cluster));
+    if (compared_[q].is_attitude || compared_[q].period != 0.0 || frames.empty()) continue;
+    std::vector<std::vector<AskedMoment>> moments;
+    for (const auto& [horizon, of_horizon] : frames) {
+      std::vector<AskedMoment>& here = moments.emplace_back();
+      double sum = 0.0;
+      for (const auto& [k, frame] : of_horizon) {
+        here.push_back(asked(predictions[k], compared_[q], frame, predictions[k].cluster));
+        sum += ahead_of(predictions[k], frame);
+      }
+      trained_[q].push_back({.ahead = sum / static_cast<double>(of_horizon.size())});
     }
-    for (const std::vector<AskedMoment>& slot : moments)
-      trained_[q].push_back(TrainedForecasts::train(slot, compared_[q].components));
+    parallel_for(trained_[q].size(), [&](std::size_t h) {
+      trained_[q][h].trained = TrainedForecasts::train(moments[h], compared_[q].components);
+    });
   }
-}
-
-std::size_t MotionForecasts::slot_of(double time) const {
-  const double part = (time - prediction_.span) / prediction_.ahead;
-  constexpr double kRounding = 1e-6;
-  const double slot = std::ceil(static_cast<double>(kSlots) * part - kRounding) - 1.0;
-  return static_cast<std::size_t>(std::clamp(slot, 0.0, static_cast<double>(kSlots - 1)));
 }
 
 std::vector<SaidForecast> MotionForecasts::say(std::size_t quantity, const CapturePrediction& one,
                                                Eigen::Index frame) const {
-  if (trained_[quantity].empty()) return {};
-  const TrainedForecasts& trained = trained_[quantity][slot_of(one.times[frame])];
-  return trained.say(asked(one, compared_[quantity], frame, -1));
+  const std::vector<Horizon>& horizons = trained_[quantity];
+  if (horizons.empty()) return {};
+  const double ahead = ahead_of(one, frame);
+  const auto nearest =
+      std::ranges::min_element(horizons, {}, [&](const Horizon& h) { return std::abs(h.ahead - ahead); });
+  return nearest->trained.say(asked(one, compared_[quantity], frame, -1));
 }
 
 std::string MotionForecasts::shares(std::size_t quantity) const {
   if (trained_[quantity].empty()) return {};
   std::string shares;
-  for (const auto& [predictor, share] : trained_[quantity].back().shares()) {
+  for (const auto& [predictor, share] : trained_[quantity].back().trained.shares()) {
     constexpr double kShown = 0.005;
     if (share >= kShown) shares += fmt::format("{}{:.2f} {}", shares.empty() ? "" : ", ", share, predictor);
   }

@@ -28,7 +28,9 @@ struct Quantity {
 /// What was seen of a quantity.
 SeenMotion seen_of(const CapturePrediction& one, const Quantity& quantity);
 
-/// Of each quantity but the attitude and those with a period, for each tenth of the way ahead.
+/// Of each quantity but the attitude and those with a period, for each horizon by itself: frames that lie equally far
+/// beyond the last one seen, to half of the shortest frame interval. Horizons that fewer than half as many training
+/// frames show as the best of them are left out; a frame there is forecast with what the nearest one taught.
 class MotionForecasts {
  public:
   /// @param predictions of training captures, each by a fit that has not seen it
@@ -43,11 +45,14 @@ class MotionForecasts {
   std::string shares(std::size_t quantity) const;
 
  private:
-  std::size_t slot_of(double time) const;
+  struct Horizon {
+    double ahead = 0.0;  ///< s
+    TrainedForecasts trained = {};
+  };
 
   std::vector<Quantity> compared_;
   PredictionOptions prediction_;
-  std::vector<std::vector<TrainedForecasts>> trained_;  ///< by quantity and tenth; empty: no forecasts
+  std::vector<std::vector<Horizon>> trained_;  ///< by quantity, the nearest first; empty: no forecasts
 };
 
 }  // namespace samara::identification
