@@ -47,7 +47,8 @@ static int ask(const samara_codebook* book, char** numbers) {
   double* gradient = values + outputs;
   for (int k = 0; k < coordinates; ++k) x[k] = strtod(numbers[k], NULL);
   samara_query* query = samara_query_open(book);
-  const samara_status status = query == NULL ? SAMARA_INTERNAL : samara_gradient(query, x, values, gradient);
+  const samara_status status =
+      query == NULL ? SAMARA_INTERNAL : samara_gradient(query, x, values, gradient);
   if (status != SAMARA_DONE) {
     fprintf(stderr, "%s\n", samara_error());
   } else {

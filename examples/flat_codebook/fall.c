@@ -33,12 +33,13 @@ static void describe(const samara_eval* book) {
     print_unit(samara_eval_output_unit(book, o));
     printf("\n");
   }
-  printf("tolerance %g %s at %g points\n", certificate.tolerance, certificate.met ? "met" : "NOT met",
-         certificate.points);
+  printf("tolerance %g %s at %g points\n", certificate.tolerance,
+         certificate.met ? "met" : "NOT met", certificate.points);
 }
 
 static int ask(const samara_eval* book, char** numbers) {
-  const int coordinates = samara_eval_coordinate_count(book), outputs = samara_eval_output_count(book);
+  const int coordinates = samara_eval_coordinate_count(book),
+            outputs = samara_eval_output_count(book);
   const size_t answers = (size_t)(coordinates + outputs + outputs * coordinates);
   double* const x = (double*)malloc(sizeof(double) * (answers + samara_eval_work_size(book)));
   double* const values = x + coordinates;
@@ -52,7 +53,8 @@ static int ask(const samara_eval* book, char** numbers) {
     for (o = 0; o < outputs; ++o) {
       printf("%s = %.10g", samara_eval_output_name(book, o), values[o]);
       for (k = 0; k < coordinates; ++k)
-        printf("  d/d%s = %.6g", samara_eval_coordinate_name(book, k), gradient[o * coordinates + k]);
+        printf("  d/d%s = %.6g", samara_eval_coordinate_name(book, k),
+               gradient[o * coordinates + k]);
       printf("\n");
     }
   } else {

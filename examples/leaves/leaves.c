@@ -36,8 +36,10 @@ int main(int argc, char** argv) {
   samara_bodies* leaves = samara_bodies_open(motions, kLeaves, &options);
   if (leaves == NULL) return complain();
   for (size_t n = 0; n < kLeaves; ++n) {
-    const double place[3] = {0.2 * (double)(n % 40), 0.2 * (double)(n / 40), 2.0 + 0.001 * (double)n};
-    if (samara_bodies_release(leaves, n, place, 2.4 * (double)n) != SAMARA_BODIES_DONE) return complain();
+    const double place[3] = {0.2 * (double)(n % 40), 0.2 * (double)(n / 40),
+                             2.0 + 0.001 * (double)n};
+    if (samara_bodies_release(leaves, n, place, 2.4 * (double)n) != SAMARA_BODIES_DONE)
+      return complain();
   }
   /* 3. Frame by frame. */
   int frames = 0;
@@ -52,8 +54,8 @@ int main(int argc, char** argv) {
     landed += samara_bodies_state(leaves, n) == SAMARA_BODY_LANDED;
     drift += (positions[3 * n] - 0.2 * (double)(n % 40)) / kLeaves;
   }
-  printf("%zu of %d leaves landed within %.2f s, %.2f m down the wind on average\n", landed, kLeaves, frames / 60.0,
-         drift);
+  printf("%zu of %d leaves landed within %.2f s, %.2f m down the wind on average\n", landed,
+         kLeaves, frames / 60.0, drift);
   samara_bodies_close(leaves);
   samara_motions_close(motions);
   return landed == kLeaves ? EXIT_SUCCESS : EXIT_FAILURE;

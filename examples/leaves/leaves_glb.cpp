@@ -22,13 +22,14 @@ using namespace samara;
 namespace {
 
 constexpr Eigen::Index kLeaves = 1000;
-constexpr double kLooks = 960.0;  // a second: of these poses those are kept that players need as keys
+constexpr double kLooks =
+    960.0;  // a second: of these poses those are kept that players need as keys
 
 /// A flat leaf with a point at both ends, seen from both sides.
 void add_mesh(double a, double b, io::AnimatedScene& scene) {
   scene.vertices.resize(3, 6);
-  scene.vertices << -a, -0.4 * a, 0.5 * a, a, 0.5 * a, -0.4 * a, 0, b, 0.7 * b, 0, -0.7 * b, -b, 0, 0, 0, 0,
-      0, 0;
+  scene.vertices << -a, -0.4 * a, 0.5 * a, a, 0.5 * a, -0.4 * a, 0, b, 0.7 * b, 0, -0.7 * b, -b, 0,
+      0, 0, 0, 0, 0;
   scene.triangles.resize(3, 8);
   // Four from above, and the same from below.
   scene.triangles << 0, 0, 0, 0, 0, 0, 0, 0, 5, 4, 3, 2, 4, 3, 2, 1, 4, 3, 2, 1, 5, 4, 3, 2;
@@ -55,7 +56,8 @@ std::vector<models::PoseKeys> fall(const motion::NextPieces& pieces) {
     for (std::size_t n = 0; n < tracks.size(); ++n) {
       // One that rests had its last look when it came to rest.
       if (leaves.time(static_cast<Eigen::Index>(n)) < (look - 0.5) / kLooks) continue;
-      tracks[n].add(look / kLooks, {Eigen::Vector3d(&positions[3 * n]), Eigen::Vector4d(&rotations[4 * n])});
+      tracks[n].add(look / kLooks,
+                    {Eigen::Vector3d(&positions[3 * n]), Eigen::Vector4d(&rotations[4 * n])});
     }
   }
   std::vector<models::PoseKeys> keys;

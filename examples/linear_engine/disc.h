@@ -15,8 +15,8 @@ struct HeatedDisc {
       : mesh(cells),
         place(samara::pgd::Axis::imported({"place", "1", samara::pgd::AxisRole::space}, mesh.mass)),
         k(samara::pgd::Axis::chebyshev(
-            {"k", "W/(m K)", samara::pgd::AxisRole::parameter, samara::pgd::Transform::logarithm}, 0.1, 10.0,
-            16)),
+            {"k", "W/(m K)", samara::pgd::AxisRole::parameter, samara::pgd::Transform::logarithm},
+            0.1, 10.0, 16)),
         s(samara::pgd::Axis::chebyshev({"s", "W/m^2"}, 1.0, 3.0, 2)) {}
 
   /// Nodal values of the source, off the disc's centre.
@@ -33,8 +33,8 @@ struct HeatedDisc {
     using namespace samara::pgd;
     ParametricProblem disc({place, k, s});
     disc.add_term({{"place", ModeOperator::sparse(mesh.stiffness_plate)}});
-    disc.add_term(
-        {{"place", ModeOperator::sparse(mesh.stiffness_disc)}, {"k", ModeOperator::diagonal(k.nodes())}});
+    disc.add_term({{"place", ModeOperator::sparse(mesh.stiffness_disc)},
+                   {"k", ModeOperator::diagonal(k.nodes())}});
     const Eigen::VectorXd load = mesh.mass * source();
     disc.add_source({{"place", load}, {"s", s.nodes()}});
     disc.know("place", mesh.border);

@@ -23,7 +23,8 @@ struct Heat {
     constexpr int kElements = 10;
     Eigen::VectorXd borders(kElements + 1);
     borders[0] = 0.0;
-    for (int e = 1; e <= kElements; ++e) borders[e] = std::pow(10.0, -3.0 + 3.0 * (e - 1) / (kElements - 1));
+    for (int e = 1; e <= kElements; ++e)
+      borders[e] = std::pow(10.0, -3.0 + 3.0 * (e - 1) / (kElements - 1));
     return borders;
   }
 
@@ -32,14 +33,17 @@ struct Heat {
     ParametricProblem heat({x, t, k, g, a});
     // Weak in x, collocated in t, k, g and a.
     heat.add_term({{"t", ModeOperator::sparse(t.derivative())}});
-    heat.add_term({{"x", ModeOperator::sparse(x.stiffness())}, {"k", ModeOperator::diagonal(k.nodes())}});
+    heat.add_term(
+        {{"x", ModeOperator::sparse(x.stiffness())}, {"k", ModeOperator::diagonal(k.nodes())}});
     // The data are coordinates: of the border's value and of the initial state, which the lift keeps at all
     // times, so that what is left starts from zero.
     heat.know("x", {0, x.size() - 1});
     heat.know("t", {0});
     heat.measure("x", x.stiffness());
-    const Eigen::VectorXd from_left = nodal_values(x, [](double s) { return (1.0 - s) * (1.0 - s); });
-    const Eigen::VectorXd sine = nodal_values(x, [](double s) { return std::sin(std::numbers::pi * s); });
+    const Eigen::VectorXd from_left =
+        nodal_values(x, [](double s) { return (1.0 - s) * (1.0 - s); });
+    const Eigen::VectorXd sine =
+        nodal_values(x, [](double s) { return std::sin(std::numbers::pi * s); });
     heat.add_to_lift({{"x", from_left}, {"g", g.nodes()}});
     heat.add_to_lift({{"x", sine}, {"a", a.nodes()}});
     return heat;

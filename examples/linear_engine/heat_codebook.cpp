@@ -34,8 +34,9 @@ int main(int argc, char** argv) {
   save(make_codebook(problem, result, request), argv[1]);
 
   const Codebook book = load(argv[1]);
-  std::printf("largest error %.1e at %d points x %d times x %d places\n", book.certificate()->max_error,
-              book.certificate()->points, book.certificate()->times, book.certificate()->places);
+  std::printf("largest error %.1e at %d points x %d times x %d places\n",
+              book.certificate()->max_error, book.certificate()->points, book.certificate()->times,
+              book.certificate()->places);
   Query query(book);
   Eigen::VectorXd value(1);
   Eigen::MatrixXd gradient(1, 5);

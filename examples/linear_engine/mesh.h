@@ -36,15 +36,19 @@ struct Mesh {
   }
 
   int node(int i, int j) const { return i + j * (cells_ + 1); }
-  Eigen::Vector2d place(int k) const { return Eigen::Vector2d(k % (cells_ + 1), k / (cells_ + 1)) / cells_; }
+  Eigen::Vector2d place(int k) const {
+    return Eigen::Vector2d(k % (cells_ + 1), k / (cells_ + 1)) / cells_;
+  }
 
  private:
   using Triplets = std::vector<Eigen::Triplet<double>>;
 
   /// A right angle at the first corner; both legs are 1 / cells long.
-  void add_triangle(const std::array<int, 3>& corners, Triplets& m, Triplets& disc, Triplets& plate) {
+  void add_triangle(const std::array<int, 3>& corners, Triplets& m, Triplets& disc,
+                    Triplets& plate) {
     triangles.push_back(corners);
-    const Eigen::Vector2d middle = (place(corners[0]) + place(corners[1]) + place(corners[2])) / 3.0;
+    const Eigen::Vector2d middle =
+        (place(corners[0]) + place(corners[1]) + place(corners[2])) / 3.0;
     Triplets& stiffness = (middle - Eigen::Vector2d(0.5, 0.5)).norm() < 0.25 ? disc : plate;
     const double area = 0.5 / (cells_ * cells_);
     const Eigen::Matrix3d k{{1.0, -0.5, -0.5}, {-0.5, 0.5, 0.0}, {-0.5, 0.0, 0.5}};

@@ -9,8 +9,10 @@
 /// point load that crosses the domain. Linear elements in x, implicit Euler in t (one Radau point an
 /// element). The source has one product for every time.
 struct MovingLoad {
-  samara::pgd::Axis x = samara::pgd::Axis::p1({"x", "1", samara::pgd::AxisRole::space}, 0.0, 1.0, 101);
-  samara::pgd::Axis t = samara::pgd::Axis::radau({"t", "1", samara::pgd::AxisRole::time}, 0.0, 1.0, 100, 1);
+  samara::pgd::Axis x =
+      samara::pgd::Axis::p1({"x", "1", samara::pgd::AxisRole::space}, 0.0, 1.0, 101);
+  samara::pgd::Axis t =
+      samara::pgd::Axis::radau({"t", "1", samara::pgd::AxisRole::time}, 0.0, 1.0, 100, 1);
   static constexpr double kConductivity = 0.05;
 
   static double place(double time) { return 0.1 + 0.8 * time; }
@@ -21,7 +23,8 @@ struct MovingLoad {
     load.add_term({{"t", ModeOperator::sparse(t.derivative())}});
     load.add_term({{"x", ModeOperator::sparse(x.stiffness())}}, kConductivity);
     for (int j = 1; j < t.size(); ++j) {
-      load.add_source({{"x", point_load(x, place(t.nodes()[j]))}, {"t", Eigen::VectorXd::Unit(t.size(), j)}});
+      load.add_source(
+          {{"x", point_load(x, place(t.nodes()[j]))}, {"t", Eigen::VectorXd::Unit(t.size(), j)}});
     }
     load.know("x", {0, x.size() - 1});
     load.know("t", {0});

@@ -25,7 +25,7 @@ inline samara::pgd::LinearProblem poisson(int dimensions, int nodes) {
     problem.op.terms.push_back(term);
   }
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(nodes);
-  problem.rhs =
-      SeparatedTensor::product(std::vector<Eigen::VectorXd>(static_cast<std::size_t>(dimensions), ones));
+  problem.rhs = SeparatedTensor::product(
+      std::vector<Eigen::VectorXd>(static_cast<std::size_t>(dimensions), ones));
   return problem;
 }

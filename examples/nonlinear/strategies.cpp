@@ -1,6 +1,6 @@
-// Two nonlinear problems, each for a whole box of parameters at once: a fall against quadratic drag (6.20) by
-// three strategies on slabs that are given, and three unknowns coupled by their products (6.22), one field each,
-// by the march that chooses slabs and nodes.
+// Two nonlinear problems, each for a whole box of parameters at once: a fall against quadratic drag
+// (6.20) by three strategies on slabs that are given, and three unknowns coupled by their products
+// (6.22), one field each, by the march that chooses slabs and nodes.
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -16,12 +16,13 @@ namespace {
 // u' = k C_D u^2 - g, u(0) = 0: exact, u = -u_T tanh(g t / u_T) with u_T = sqrt(g / (k C_D)).
 void fall() {
   const PolynomialSystem drag(1, 1, {{0, 3.075, {1}, {2}}, {0, -9.81}});
-  const EvolutionProblem problem{&drag,
-                                 Axis::radau({"t", "s", AxisRole::time}, 0.0, 0.4, 4, 9),  // four slabs
-                                 {Axis::chebyshev({"C_D"}, 0.5, 2.0, 14)},
-                                 {{"u", "m/s"}},
-                                 {2.5},
-                                 {{0.0, -1}}};
+  const EvolutionProblem problem{
+      &drag,
+      Axis::radau({"t", "s", AxisRole::time}, 0.0, 0.4, 4, 9),  // four slabs
+      {Axis::chebyshev({"C_D"}, 0.5, 2.0, 14)},
+      {{"u", "m/s"}},
+      {2.5},
+      {{0.0, -1}}};
   const double terminal = std::sqrt(9.81 / (3.075 * 1.2));
   const double exact = -terminal * std::tanh(9.81 * 0.31 / terminal);
   const auto picard = incremental_strategy();
@@ -30,7 +31,8 @@ void fall() {
   for (Strategy* strategy : {picard.get(), series.get(), newton.get()}) {
     const StrategyTrial result = try_strategy(problem, *strategy, {.tolerance = 1e-7});
     std::printf("%s: %s\n  error at t = 0.31 s, C_D = 1.2: %.0e\n", strategy->name().c_str(),
-                result.message.c_str(), std::abs(result.value_at(std::vector{0.31, 1.2})[0] - exact));
+                result.message.c_str(),
+                std::abs(result.value_at(std::vector{0.31, 1.2})[0] - exact));
   }
 }
 

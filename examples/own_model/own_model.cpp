@@ -19,7 +19,8 @@ int main(int argc, char** argv) {
   for (const std::string& finding : check.findings) std::printf("%s\n", finding.c_str());
 
   // growth and hunt stay free, the others are fixed.
-  const models::ParametricModel parametric(model, {{"gain", 0.05}, {"death", 0.5}}, {"growth", "hunt"});
+  const models::ParametricModel parametric(model, {{"gain", 0.05}, {"death", 0.5}},
+                                           {"growth", "hunt"});
   codebooks::BuildRequest request;
   request.box = {{.name = "growth", .lower = 0.8, .upper = 1.2},
                  {.name = "hunt", .lower = 0.08, .upper = 0.12}};
@@ -35,10 +36,12 @@ int main(int argc, char** argv) {
   const models::Trajectory counted = models::integrate(parametric, truth, times);
   identification::Capture capture;
   capture.id = "island";
-  capture.times = Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
+  capture.times =
+      Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
   for (int state = 0; state < 2; ++state)
-    capture.channels.push_back(
-        {.quantity = state == 0 ? "prey" : "predator", .unit = "1", .values = counted.states.col(state)});
+    capture.channels.push_back({.quantity = state == 0 ? "prey" : "predator",
+                                .unit = "1",
+                                .values = counted.states.col(state)});
   const auto family = codebooks::codebook_trajectories(built.book);
   const identification::FitResult fit = identification::fit(
       *family, std::vector{capture}, {.loss = {.scales = {{"prey", 1.0}, {"predator", 1.0}}}});

@@ -11,18 +11,29 @@ struct PredatorPrey {
         .name = "predator_prey_law",
         .title = "Predators and their prey",
         .equations =
-            "prey' = growth prey - hunt prey predator,  predator' = gain prey predator - death predator",
+            "prey' = growth prey - hunt prey predator,  predator' = gain prey predator - death "
+            "predator",
         .frames = "numbers of animals",
-        .source = "A. J. Lotka, Elements of Physical Biology (1925); V. Volterra, Nature 118 (1926) 558-560",
+        .source =
+            "A. J. Lotka, Elements of Physical Biology (1925); V. Volterra, Nature 118 (1926) "
+            "558-560",
         .validity = "many animals, well mixed",
-        .states =
-            {{.name = "prey", .unit = "1", .default_initial = 10.0, .description = "animals hunted"},
-             {.name = "predator", .unit = "1", .default_initial = 5.0, .description = "animals hunting"}},
+        .states = {{.name = "prey",
+                    .unit = "1",
+                    .default_initial = 10.0,
+                    .description = "animals hunted"},
+                   {.name = "predator",
+                    .unit = "1",
+                    .default_initial = 5.0,
+                    .description = "animals hunting"}},
         .parameters =
             {{.name = "growth", .unit = "1/s", .description = "of prey left alone", .lower = 0.0},
              {.name = "hunt", .unit = "1/s", .description = "prey lost per predator", .lower = 0.0},
              {.name = "gain", .unit = "1/s", .description = "predators won per prey", .lower = 0.0},
-             {.name = "death", .unit = "1/s", .description = "of predators without prey", .lower = 0.0}},
+             {.name = "death",
+              .unit = "1/s",
+              .description = "of predators without prey",
+              .lower = 0.0}},
         .affine_in = {"growth", "hunt", "gain", "death"},
     };
   }

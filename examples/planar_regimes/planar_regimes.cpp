@@ -94,10 +94,14 @@ Fall measured(double inertia_ratio) {
   }
   const State way = (x - begin) / kMeasured;
   const double period =
-      swings.size() > 1 ? (swings.back() - swings.front()) / static_cast<double>(swings.size() - 1) : 0.0;
-  return {
-      way[kX],           way[kY], highest - lowest, period, 100.0 * way[kTheta] / (2.0 * std::numbers::pi),
-      growth / kMeasured};
+      swings.size() > 1 ? (swings.back() - swings.front()) / static_cast<double>(swings.size() - 1)
+                        : 0.0;
+  return {way[kX],
+          way[kY],
+          highest - lowest,
+          period,
+          100.0 * way[kTheta] / (2.0 * std::numbers::pi),
+          growth / kMeasured};
 }
 
 const char* motion(const Fall& fall) {
@@ -124,11 +128,12 @@ int main(int count, char** texts) try {
   std::printf("   I*  motion      <vx>    <vy>   range  period  turns/100  exponent\n");
   for (const double ratio : ratios) {
     const Fall fall = measured(ratio);
-    std::printf("%5.2f  %-8s  %6.3f  %6.3f  %6.2f  %6.2f  %9.2f  %8.3f\n", ratio, motion(fall), fall.vx,
-                fall.vy, fall.range, fall.period, fall.turns, fall.exponent);
+    std::printf("%5.2f  %-8s  %6.3f  %6.3f  %6.2f  %6.2f  %9.2f  %8.3f\n", ratio, motion(fall),
+                fall.vx, fall.vy, fall.range, fall.period, fall.turns, fall.exponent);
   }
   return 0;
 } catch (const std::exception& error) {
-  std::fprintf(stderr, "planar_regimes: inertia ratios, positive numbers, were expected: %s\n", error.what());
+  std::fprintf(stderr, "planar_regimes: inertia ratios, positive numbers, were expected: %s\n",
+               error.what());
   return 2;
 }

@@ -1,6 +1,6 @@
-// The profile of a coefficient, with a fit of your own: a cup cools as T(t) = T0 exp(-k t), in 30 readings
-// with a noise of 0.5 degrees. Watched for a second, k may be anything; for six, it has an upper limit; for a
-// minute, it is known.
+// The profile of a coefficient, with a fit of your own: a cup cools as T(t) = T0 exp(-k t), in 30
+// readings with a noise of 0.5 degrees. Watched for a second, k may be anything; for six, it has an
+// upper limit; for a minute, it is known.
 #include "samara/identification/statistics/profile.h"
 
 #include <cmath>
@@ -26,8 +26,8 @@ Cooling watch(double seconds) {
   return seen;
 }
 
-// With k held, T0 is a linear fit: this is the minimisation over everything else. The cost is 1/2 sum of
-// squares in units of the noise, so that the dispersion is 1.
+// With k held, T0 is a linear fit: this is the minimisation over everything else. The cost is 1/2
+// sum of squares in units of the noise, so that the dispersion is 1.
 std::optional<ProfileSolution> cost_at(const Cooling& seen, double k) {
   double above = 0.0, below = 0.0, cost = 0.0;
   for (std::size_t i = 0; i < seen.t.size(); ++i) {
@@ -46,9 +46,13 @@ int main() {
     for (double k = 2e-6; k < 1e-2; k += 1e-6) {
       if (cost_at(seen, k)->cost < cost_at(seen, best)->cost) best = k;
     }
-    const Profile p = profile(
-        {.name = "k", .best = best, .best_cost = cost_at(seen, best)->cost, .lower = 0.0, .upper = 1e-2}, {},
-        [&](double k, const Eigen::VectorXd&) { return cost_at(seen, k); });
+    const Profile p =
+        profile({.name = "k",
+                 .best = best,
+                 .best_cost = cost_at(seen, best)->cost,
+                 .lower = 0.0,
+                 .upper = 1e-2},
+                {}, [&](double k, const Eigen::VectorXd&) { return cost_at(seen, k); });
     std::printf("%5.0f s: %s, %s\n", seconds, to_string(p.shape).c_str(), describe(p).c_str());
   }
 }

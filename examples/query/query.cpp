@@ -1,5 +1,5 @@
-// Asks the codebook of a falling plate (plate.toml): a point, its end for many coefficients, frames of a
-// camera.
+// Asks the codebook of a falling plate (plate.toml): a point, its end for many coefficients, frames
+// of a camera.
 #include <cstdio>
 #include <vector>
 
@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
   std::printf("y = %.3f, dy/dC_T = %.2f\n", values[y], gradient(y, 1));
 
   // What is known before is paid for once: outputs, coordinates that are held.
-  Query end(book, {.outputs = {"x", "y"}, .fixed = {{"t", 5.0}}, .precision = Precision::automatic});
+  Query end(book,
+            {.outputs = {"x", "y"}, .fixed = {{"t", 5.0}}, .precision = Precision::automatic});
   const Eigen::MatrixXd many = Eigen::Vector3d(1.1, 2.7, 1.3).replicate(1, 1000);  // C_T, C_R, A
   Eigen::MatrixXd places(2, 1000);
   end.batch(many, places, /*threads=*/2);
