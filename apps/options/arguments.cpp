@@ -17,6 +17,7 @@
 #include "options/planning_arguments.h"
 #include "options/self_commands.h"
 #include "options/value_runs.h"
+#include "options/wrong_calls.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "terminal/output.h"
@@ -214,10 +215,10 @@ void take_one_word_each(CLI::App& command) {
     if (!option->get_positional()) option->allow_extra_args(false);
 }
 
-/// `--config "$CONFIG"` with a variable that is not set must not mean that there is no config.
+/// `--config "$CONFIG"` with a variable that is not set must not mean that there is no config, nor `"$BOOK"` a file.
 void refuse_empty(CLI::App& command) {
   for (CLI::Option* option : command.get_options()) {
-    if (option->get_items_expected_max() == 0 || option->get_required()) continue;
+    if (option->get_items_expected_max() == 0) continue;
     option->check(CLI::Validator(
         [](const std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, ""));
   }
@@ -327,7 +328,7 @@ Arguments parse(int argc, const char* const* argv) {
     arguments.exit_code = app.exit(help, text, text);
     print(text.str());
   } catch (const CLI::ParseError& error) {
-    complain(error.what());
+    complain(sentence_of(error, app));
     arguments.exit_code = kWrongCall;
   }
   return arguments;

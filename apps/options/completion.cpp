@@ -16,6 +16,12 @@ std::string spaced(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
+std::vector<std::string> names_of(const std::vector<CommandWords>& tree) {
+  std::vector<std::string> names;
+  for (const CommandWords& command : tree) names.push_back(command.name);
+  return names;
+}
+
 /// Commands whose first input may be the name of a model.
 bool takes_model(const CommandWords& command) {
   if (command.inputs.empty()) return false;
@@ -147,12 +153,15 @@ std::string fish_script(const std::vector<CommandWords>& tree, const std::vector
   text +=
       "    if test -n \"$names\"\n      string replace -r '$' '=' $names\n      return\n    end\n  "
       "end\nend\n";
+  const std::vector<std::string> commands = names_of(tree);
   for (const CommandWords& command : tree) {
     text += fmt::format("complete -c samara -n __fish_use_subcommand -f -a {} -d {}\n", command.name,
                         single_quoted(command.summary));
     const std::string seen =
         fmt::format("complete -c samara -n '__fish_seen_subcommand_from {}'", command.name);
     if (takes_model(command)) text += fmt::format("{} -a '{}'\n", seen, spaced(models));
+    if (command.name == "help") text += fmt::format("{} -f -a '{}'\n", seen, spaced(commands));
+    if (command.name == "completion") text += fmt::format("{} -f -a 'bash zsh fish'\n", seen);
     for (const OptionWords& option : command.options) {
       text += seen;
       for (const std::string& name : option.names)
@@ -174,8 +183,7 @@ std::string completion_script(const std::string& shell, const std::vector<Comman
   if (shell != "bash" && shell != "zsh")
     throw ArgumentError(
         fmt::format("there is no completion for \"{}\"; bash, zsh or fish was expected", shell));
-  std::vector<std::string> commands;
-  for (const CommandWords& command : tree) commands.push_back(command.name);
+  const std::vector<std::string> commands = names_of(tree);
   std::string script = shell == "bash" ? kBash : kZsh;
   script = with(std::move(script), "@models@", spaced(models));
   script = with(std::move(script), "@commands@", spaced(commands));

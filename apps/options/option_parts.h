@@ -40,7 +40,7 @@ CLI::Validator whole_number() {
         T value = 0;
         const auto [rest, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (problem == std::errc() && rest == text.data() + text.size()) return std::string();
-        return fmt::format("is {}, expected a whole number {}of at most {}", text,
+        return fmt::format("is {}, expected a whole number {}of at most {}", text.empty() ? "empty" : text,
                            std::is_unsigned_v<T> ? "from 0 on, " : "", std::numeric_limits<T>::max());
       },
       "");

@@ -302,7 +302,35 @@ class BadCalls(Case):
     def test_what_has_no_effect_or_no_meaning_is_refused(self):
         self.check_error(run("fit", "vertical_fall", "x.csv", "--reference"), 2, "--reference", "integrated anyway")
         for seed in ["-1", "1" * 23, "1.5", "0x10"]:
-            self.check_error(run("validate", book("line", LINE_PLAN), "--seed", seed), 2, f"--seed: is {seed}, expected a whole number from 0 on")
+            self.check_error(run("validate", book("line", LINE_PLAN), "--seed", seed), 2, f"--seed is {seed}, expected a whole number from 0 on")
+
+    def test_what_an_option_does_not_take_is_said_in_one_form(self):
+        line = book("line", LINE_PLAN)
+        for call, sentence in [(["validate", line, "--points", "-1"], '--points is "-1", expected 1 to 100000000'),
+                               (["validate", line, "--seed", ""], "--seed is empty"),
+                               (["simulate", "constant_rate", "--integrator", "euler"], '--integrator is "euler", expected one of cvodes, bdf, adaptive, rk4'),
+                               (["stats", line, "--quantiles", "most"], '--quantiles is "most", expected a number'),
+                               (["query", line, "--gradiant"], 'query has no option "--gradiant"; did you mean --gradient?'),
+                               (["query", line, "--zzzzzzzzzzzzz=3"], 'query has no option "--zzzzzzzzzzzzz"'),
+                               (["validate", line, "again.h5"], 'validate does not take "again.h5" as well'),
+                               (["completion", "tcsh"], 'SHELL is "tcsh", expected one of bash, zsh, fish'),
+                               (["info", ""], "BOOK is empty"), (["--frobnicate"], 'samara has no option "--frobnicate"')]:
+            result = run(*call)
+            self.check_error(result, 2, sentence)
+            self.assertNotIn(": is", result.stderr)
+
+    def test_every_command_refuses_files_of_another_kind(self):
+        kinds = [write("empty", ""), write("none.txt", "hello\nworld\n"), write("list.json", "[1, 2]"), write("other.toml", "a = 1\n"),
+                 write("w\u00eeth \u00fcnicode.csv", "t[s],x[m]\n0,\u00fcn\u00ef\n"), FOLDER, FOLDER / "is not there", "/dev/null"]
+        (FOLDER / "zero").write_bytes(bytes(1000))
+        kinds.append(FOLDER / "zero")
+        commands = [c for c in json.loads(run("help", "--json").stdout)["commands"] if c["inputs"] and c["name"] not in ("help", "completion")]
+        for k, command in enumerate(commands):
+            needed = [word for option in command["options"] if option["required"] for word in (option["names"][-1], "flat" if option["names"][-1] == "--to" else "1")]
+            result = run(command["name"], *[kinds[k % len(kinds)]] * sum(i["required"] for i in command["inputs"]), *needed)
+            with self.subTest(command=command["name"], file=kinds[k % len(kinds)]):
+                self.check_error(result, result.returncode)
+                self.assertIn(result.returncode, (2, 3))
 
     def test_an_option_with_an_empty_value_is_not_one_that_was_not_given(self):
         path = book("line", LINE_PLAN)
@@ -319,7 +347,7 @@ class BadCalls(Case):
         self.check_error(run("simulate", "constant_rate", "--set", "k=-1e308"), 2, "k is -1e308, expected at most 1e+60 in size")
         self.check_error(run(*line, "--until", "inf"), 2, "--until is inf, expected a finite number")
         for frames in ["2.5", "1e3", "99999999999999999999", "many"]:
-            self.check_error(run(*line, "--frames", frames), 2, f"--frames: is {frames}, expected a whole number")
+            self.check_error(run(*line, "--frames", frames), 2, f"--frames is {frames}, expected a whole number")
         for frames in ["1", "-5", "10000001"]:
             self.check_error(run(*line, "--frames", frames), 2, f"--frames is {frames}, expected 2 to 10000000")
         self.check_error(run("simulate", "sphere_flight", "--forces", "--frames", "10000000"), 2,

@@ -232,7 +232,7 @@ class BadClouds(Case):
                                 (["k=-1", "epsilon=1"], "k is -1 m^2/s^2, expected 0 or more"),
                                 (["k=1", "epsilon=0"], "epsilon is 0 m^2/s^3, expected more than 0"),
                                 (["k=nan", "epsilon=1"], "--turbulence: k is nan, expected a finite number"),
-                                (["k=1", "epsilon=1", "k"], "The following argument was not expected: k"),
+                                (["k=1", "epsilon=1", "k"], 'does not take "k" as well'),
                                 (["k=1", "epsilon=1", "wind=2"], '--turbulence: unknown name "wind"')):
             self.refused([*ten, "--turbulence", *words], sentence, CARD)
 

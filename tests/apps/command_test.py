@@ -7,6 +7,7 @@ questions by the thousand.
 import csv
 import io
 import json
+import math
 import os
 import pathlib
 import re
@@ -17,7 +18,7 @@ import sys
 import time
 
 import mutations
-from samara_case import COIN_PLAN, FOLDER, HERE, LINE_PLAN, SAMARA, Case, book, main, run, write
+from samara_case import COIN_PLAN, FOLDER, HERE, LINE_PLAN, LONGEST, SAMARA, Case, book, main, run, write
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 INPUT_FUZZ = sys.argv.pop(3) if len(sys.argv) > 3 else None  # for Mutations
@@ -105,6 +106,34 @@ class Interrupts(Case):
             self.assertEqual(err, "\nsamara: interrupted\n")
 
 
+class Heartbeats(Case):
+    """Off a terminal, work that takes long says so every half minute: here of a clock that runs two hundred times as fast."""
+
+    CLOCK = """#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <time.h>
+int clock_gettime(clockid_t clock, struct timespec* t) {
+  static int (*real)(clockid_t, struct timespec*);
+  if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
+  const int failed = real(clock, t);
+  const long long now = 200 * (t->tv_sec * 1000000000LL + t->tv_nsec);
+  t->tv_sec = now / 1000000000;
+  t->tv_nsec = now % 1000000000;
+  return failed;
+}
+"""
+
+    def test_a_build_in_a_pipe_says_that_it_goes_on(self):
+        if "san.so" in subprocess.run(["ldd", SAMARA], capture_output=True, text=True).stdout or not shutil.which("cc"):
+            self.skipTest("no clock can be put before those of a sanitizer, or there is no compiler")
+        clock = FOLDER / "clock.so"
+        subprocess.run(["cc", "-shared", "-fPIC", "-x", "c", write("clock.c", self.CLOCK), "-o", clock], check=True)
+        plan = write("long.toml", COIN_PLAN.replace("1e-3", "1e-5"))
+        result = subprocess.run([SAMARA, "build", plan, "-o", FOLDER / "long.h5"], capture_output=True, text=True, timeout=LONGEST, env={**os.environ, "LD_PRELOAD": str(clock)})
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r"(?m)^\w+ \d+ %, \d+ (s|min)")
+
+
 class Options(Case):
     """No option makes an input of what is left over, and none takes an input for a value."""
 
@@ -173,6 +202,24 @@ class Options(Case):
         for shown in (run("info", line).stdout, run("validate", line, "--points", "100").stdout, run("models", "constant_rate").stdout):
             self.assertNotRegex(shown, r"\d 1[,;\s]|\[1\]|\s1  (parameter|initial|required)")
 
+    def test_values_are_rounded_by_their_errors(self):
+        coin = book("coin", COIN_PLAN)
+        path = rows(run("query", coin, "--set", "C_D=1.2", "--set", "v0=0.1", "--at", "0:0.016:0.4").stdout)
+        rough = write("rough.csv", "t[s],x[m]\n" + "".join(f"{r['t[s]']},{float(r['x[m]']) + 1e-3 * math.sin(17.0 * k * k)}\n" for k, r in enumerate(path)))
+        fitted = run("fit", coin, rough)
+        answer = next(c for c in json.loads(run("fit", coin, rough, "--json").stdout)["coefficients"] if c["name"] == "C_D")
+        shown = re.search(r"(?m)^C_D +([\d.]+) - +- +([\d.]+) ", fitted.stdout)  # of one cluster: the naive error
+        self.assertIsNotNone(shown, fitted.stdout)
+        self.assertNotRegex(fitted.stdout, r"(?m)^C_D +[\d.]+ 1 ")  # a unit "1"
+        # No digit of the value stands behind the last one of its error.
+        decimals = [len(text.partition(".")[2]) for text in shown.groups()]
+        self.assertLessEqual(decimals[0], decimals[1], fitted.stdout)
+        self.assertAlmostEqual(float(shown[1]), answer["value"], delta=0.51 * 10.0 ** -decimals[0])
+
+    def test_a_measured_height_leads_to_the_model_that_has_one(self):
+        for shown in (run("models").stdout, run("models", "quadratic_drag_fall").stdout):
+            self.assertRegex(shown, r"quadratic_drag_fall:? .*\(vertical_fall: with the height\)")
+
 
 class Completion(Case):
     def complete(self, *words):
@@ -209,6 +256,20 @@ class Completion(Case):
         self.check_error(run("completion", "tcsh"), 2, "tcsh")
 
 
+    def test_fish_completes_as_a_reader_would_see_it(self):
+        if not shutil.which("fish"):
+            self.skipTest("fish is not installed")
+        script = write("samara.fish", run("completion", "fish").stdout)
+        path = {**os.environ, "PATH": f"{pathlib.Path(SAMARA).parent}:{os.environ['PATH']}"}
+        asked = {"samara qu": "query", "samara query a.h5 --gr": "--gradient", "samara simulate vert": "vertical_fall", "samara completion z": "zsh",
+                 "samara help bui": "build", "samara simulate vertical_fall --set de": "density=", f"samara query {book('coin', COIN_PLAN)} --set v": "v0="}
+        lines = "".join(f"complete -C '{words}'; echo ==\n" for words in asked)
+        shown = subprocess.run(["fish", "--no-config", "-c", f"source {script}\n{lines}"], capture_output=True, text=True, env=path)
+        answers = [answer.split() for answer in shown.stdout.split("==\n")]
+        for word, answer in zip(asked.values(), answers):
+            self.assertEqual(answer[:1], [word], shown.stdout + shown.stderr)
+
+
 class ManyQuestions(Case):
     def test_lists_and_ranges_of_times(self):
         line = book("line", LINE_PLAN)
@@ -236,6 +297,16 @@ class ManyQuestions(Case):
         answer = json.loads(run("query", coin, "--points", points, "--json").stdout)
         self.assertEqual(answer["coordinates"]["t"], [0.1, 0.4, 0.0])
         self.assertEqual([len(output["values"]) for output in answer["outputs"]], [3, 3])
+
+    def test_coordinates_stand_in_the_answer_as_they_were_asked(self):
+        coin = book("coin", COIN_PLAN)
+        asked = rows(run("query", coin, "--points", write("typed.csv", "C_D; v0[cm/s]; t\n+1.20; 10; 1e-1\n0.8; 20; 0.40\n")).stdout)
+        self.assertEqual([(r["t[s]"], r["C_D[1]"], r["v(0)[m/s]"]) for r in asked], [("1e-1", "1.20", "0.1"), ("0.40", "0.8", "0.2")])
+        # Not where they were moved into the box, or are no plain numbers.
+        moved = rows(run("query", coin, "--points", write("far_typed.csv", "C_D,t,v0\n1.20,0.10,9.0\n"), "--clamp").stdout)[0]
+        self.assertEqual((moved["t[s]"], moved["C_D[1]"], moved["v(0)[m/s]"]), ("0.10", "1.20", "0.4"))
+        commas = rows(run("query", coin, "--points", write("commas.csv", "C_D;t\n1,20;0,10\n"), "--set", "v0=0").stdout)[0]
+        self.assertEqual((commas["t[s]"], commas["C_D[1]"], commas["v(0)[m/s]"]), ("0.1", "1.2", "0"))
 
     def test_points_without_a_time_are_asked_at_all_times(self):
         line, points = book("line", LINE_PLAN), write("rates.csv", "k\n2\n5\n")

@@ -253,6 +253,15 @@ class Fits(Case):
             result = run("fit", *source)
             self.assertNotIn("upside down", result.stderr)
 
+    def test_lengths_of_a_body_in_balance_are_not_suspected(self):
+        # It sinks 2 % faster than it would float: 0.1 m/s^2 at most, a hundredth of gravity.
+        rows = "".join(f"{k / 30},{0.05 * (k / 30) ** 2}\n" for k in range(40))
+        capture, balanced = write("balanced.csv", "t[s],x[m]\n" + rows), '[fixed]\narea = "100 cm^2"\nthickness = "1 cm"\n[box]\nC_D = [0.1, 2.0]\n"v(0)" = [-0.5, 0.5]\n'
+        for density, is_suspected in (("1018.0", False), ("6338.5", True)):
+            config = write("fit_of_balanced.toml", balanced.replace("[box]", f"density = {density}\n[box]"))
+            result = run("fit", "vertical_fall", capture, "--config", config)
+            self.assertEqual("gravity times 10^-2: are lengths" in result.stderr, is_suspected, result.stderr)
+
     def test_one_sidecar_is_for_any_number_of_tables_and_patterns(self):
         sidecar = write("depths.toml", 'frame_rate = "60 Hz"\ndecimal = ","\n[columns]\ndepth = { quantity = "x", unit = "cm" }\n')
         for k in range(3):

@@ -79,6 +79,8 @@ TEST_CASE("bad captures are suspected for what is wrong with them") {
     const Sentences found = suspicions(capture);
     REQUIRE(found.size() == 1);
     CHECK_THAT(found[0], Catch::Contains("gravity times 10^-3"));
+    // Of a body in balance, such as a blimp, that is no sign of another unit.
+    CHECK(suspicions(capture, false).empty());
   }
   SECTION("milliseconds taken for seconds") {
     capture.times *= 1000.0;

@@ -1,0 +1,88 @@
+#include "options/wrong_calls.h"
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "samara/base/names.h"
+#include "samara/base/text.h"
+
+namespace samara::apps {
+
+namespace {
+
+const CLI::App& called(const CLI::App& app) {
+  const std::vector<const CLI::App*> commands =
+      app.get_subcommands([](const CLI::App* command) { return command->parsed(); });
+  return commands.empty() ? app : *commands.front();
+}
+
+/// The text before and behind the first `mark`; all of it before where there is none.
+std::pair<std::string, std::string> parted(const std::string& text, const std::string& mark) {
+  const std::size_t at = text.find(mark);
+  if (at == std::string::npos) return {text, ""};
+  return {text.substr(0, at), text.substr(at + mark.size())};
+}
+
+std::string is(const std::string& name, const std::string& value, const std::string& expected) {
+  if (value.empty()) return fmt::format("{} is empty, expected {}", name, expected);
+  return fmt::format("{} is {}, expected {}", name, in_quotes(value), expected);
+}
+
+/// Words that no option and no input has taken.
+std::string sentence_of_extras(const std::vector<std::string>& words, const CLI::App& command) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& word : words) {
+    if (word.size() < 2 || word.front() != '-') continue;
+    const std::string name = word.substr(0, word.find('='));
+    const std::string near = nearest_name(name, known);
+    return fmt::format("{} has no option {}{}", command.get_name(), in_quotes(name),
+                       near.empty() ? std::string() : fmt::format("; did you mean {}?", near));
+  }
+  return fmt::format("{} does not take {} as well", command.get_name(),
+                     words.empty() ? std::string("more words") : in_quotes(words.front()));
+}
+
+/// "NAME: REASON" of a value that a check refused.
+std::string sentence_of_value(const std::string& said) {
+  const auto [name, reason] = parted(said, ": ");
+  if (reason.starts_with("is ")) return name + " " + reason;
+  if (const auto [value, choices] = parted(reason, " not in {"); !choices.empty()) {
+    std::string list = choices.substr(0, choices.find('}'));
+    for (std::size_t at = list.find(','); at != std::string::npos; at = list.find(',', at + 2))
+      list.replace(at, 1, ", ");
+    return is(name, value, "one of " + list);
+  }
+  constexpr std::string_view kValue = "Value ";
+  if (const auto [value, range] = parted(reason, " not in range "); !range.empty())
+    return is(name, value.substr(kValue.size()), range);
+  return said;
+}
+
+/// "Could not convert: NAME = VALUE".
+std::string sentence_of_number(const std::string& said, const CLI::App& command) {
+  const auto [name, value] = parted(parted(said, ": ").second, " = ");
+  const CLI::Option* option = command.get_option_no_throw(name);
+  const bool is_whole = option != nullptr && option->get_type_name().find("INT") != std::string::npos;
+  return is(name, value, is_whole ? "a whole number" : "a number");
+}
+
+}  // namespace
+
+std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
+  const CLI::App& command = called(app);
+  const std::string said = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
+    return sentence_of_extras(command.remaining(), command);
+  if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr) return sentence_of_value(said);
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr && said.starts_with("Could not convert"))
+    return sentence_of_number(said, command);
+  return said;
+}
+
+}  // namespace samara::apps
