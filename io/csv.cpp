@@ -24,34 +24,28 @@ std::string header_cell(const std::string& name) {
   return cell + "\"";
 }
 
-void append_number(std::string& text, double value) {
-  std::array<char, 32> buffer;  // sign, 17 digits, point, exponent
-  const auto [end, problem] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  text.append(buffer.data(), end);
-}
-
-std::string rows_text(const std::vector<std::string>& header, const Eigen::Ref<const Eigen::MatrixXd>& values,
-                      Eigen::Index begin, Eigen::Index end) {
-  std::string text;
-  constexpr Eigen::Index kBytes = 20;  // of a number with all its digits, and a comma; few are longer
-  text.reserve(static_cast<std::size_t>((end - begin) * (kBytes * values.cols() + 1)));
+void append_rows_of(const Eigen::Ref<const Eigen::MatrixXd>& values, Eigen::Index begin, Eigen::Index end,
+                    std::string& text) {
   for (Eigen::Index i = begin; i < end; ++i) {
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
       if (j > 0) text += ',';
-      const double value = values(i, j);
-      if (std::isnan(value)) continue;
-      if (std::isinf(value)) {
-        throw ArgumentError("row " + std::to_string(i) + " of column " +
-                            in_quotes(header[static_cast<std::size_t>(j)]) +
-                            " is infinite, which a table cannot hold");
-      }
-      append_number(text, value);
+      append_number(text, values(i, j));
     }
     // A missing value in the only column would read as a blank line.
     if (values.cols() == 1 && std::isnan(values(i, 0))) text += "\"\"";
     text += '\n';
   }
-  return text;
+}
+
+void check_values(const std::vector<std::string>& header, const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    for (Eigen::Index i = 0; i < values.rows(); ++i) {
+      if (!std::isinf(values(i, j))) continue;
+      throw ArgumentError("row " + std::to_string(i) + " of column " +
+                          in_quotes(header[static_cast<std::size_t>(j)]) +
+                          " is infinite, which a table cannot hold");
+    }
+  }
 }
 
 void check_header(const std::vector<std::string>& header, Eigen::Index columns) {
@@ -75,31 +69,70 @@ void check_comment(const std::string& key, const std::string& value) {
   }
 }
 
+std::string header_line(const std::vector<std::string>& header) {
+  std::string text;
+  for (const std::string& name : header) {
+    if (&name != &header.front()) text += ',';
+    text += header_cell(name);
+  }
+  return text + "\n";
+}
+
+/// Parts are made in two sets by turns: one is taken while the other is filled.
+void stream_rows(Eigen::Index rows, const AppendRows& append_rows,
+                 const std::function<void(std::string_view)>& take) {
+  constexpr Eigen::Index kRows = 1024;  // of a part, which a thread makes
+  constexpr Eigen::Index kParts = 8;    // of a set
+  std::array<std::string, kParts> made, taken;
+  for (Eigen::Index first = 0; first < rows + kParts * kRows; first += kParts * kRows) {
+    parallel_for(kParts + 1, [&](Eigen::Index k) {
+      if (k == 0) {
+        for (std::string& part : taken) {
+          if (!part.empty()) take(part);
+        }
+        return;
+      }
+      std::string& part = made[static_cast<std::size_t>(k - 1)];
+      part.clear();
+      const Eigen::Index begin = first + (k - 1) * kRows;
+      if (begin < rows) append_rows(begin, std::min(begin + kRows, rows), part);
+    });
+    std::swap(made, taken);
+  }
+}
+
 }  // namespace
+
+void append_number(std::string& text, double value) {
+  if (std::isnan(value)) return;
+  std::array<char, 32> buffer;  // sign, 17 digits, point, exponent
+  const auto [end, problem] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  text.append(buffer.data(), end);
+}
+
+void stream_csv(const std::vector<std::string>& header, Eigen::Index rows, const AppendRows& append_rows,
+                const std::function<void(std::string_view)>& take) {
+  check_header(header, std::ssize(header));
+  take(header_line(header));
+  stream_rows(rows, append_rows, take);
+}
 
 std::string format_csv(const std::vector<std::string>& header,
                        const Eigen::Ref<const Eigen::MatrixXd>& values, const CsvComments& comments) {
   check_header(header, values.cols());
+  check_values(header, values);
   std::string text;
   for (const auto& [key, value] : comments) {
     check_comment(key, value);
     text += "# " + key + ": " + value + "\n";
   }
-  for (const std::string& name : header) {
-    if (&name != &header.front()) text += ',';
-    text += header_cell(name);
-  }
-  text += "\n";
-  constexpr Eigen::Index kRows = 4096;  // in a part, which a thread writes
-  std::vector<std::string> parts(static_cast<std::size_t>((values.rows() + kRows - 1) / kRows));
-  parallel_for(parts.size(), [&](std::size_t k) {
-    const Eigen::Index begin = static_cast<Eigen::Index>(k) * kRows;
-    parts[k] = rows_text(header, values, begin, std::min(begin + kRows, values.rows()));
-  });
-  std::size_t size = text.size();
-  for (const std::string& part : parts) size += part.size();
-  text.reserve(size);
-  for (const std::string& part : parts) text += part;
+  text += header_line(header);
+  stream_rows(
+      values.rows(),
+      [&](Eigen::Index begin, Eigen::Index end, std::string& part) {
+        append_rows_of(values, begin, end, part);
+      },
+      [&](std::string_view part) { text += part; });
   return text;
 }
 

@@ -45,14 +45,22 @@ void skip_blanks(const char*& at, const char* end) {
   while (at < end && (*at == ' ' || *at == '\t')) ++at;
 }
 
+/// Numbers of rows, and where each row begins in the text.
+struct Part {
+  std::vector<double> numbers;
+  std::vector<std::size_t> begins;
+};
+
 /// Rows of plain finite numbers, row by row. @returns whether that is all there is
-bool read_part(std::string_view text, Index columns, char delimiter, std::vector<double>& numbers) {
+bool read_part(std::string_view text, Index columns, char delimiter, Part& part) {
   const char* at = text.data();
   const char* const end = at + text.size();
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
   // A number takes a digit and what parts it from the next, whatever the header promises.
-  numbers.reserve(std::min(lines * static_cast<std::size_t>(columns), text.size() / 2 + 1));
+  part.numbers.reserve(std::min(lines * static_cast<std::size_t>(columns), text.size() / 2 + 1));
+  part.begins.reserve(std::min(lines, text.size() / static_cast<std::size_t>(2 * columns) + 1));
   while (at < end) {
+    part.begins.push_back(static_cast<std::size_t>(at - text.data()));
     for (Index column = 0; column < columns; ++column) {
       if (delimiter != '\t') skip_blanks(at, end);
       if (at < end && *at == '+' && ++at < end && *at == '-') return false;
@@ -62,7 +70,7 @@ bool read_part(std::string_view text, Index columns, char delimiter, std::vector
       at = rest;
       if (delimiter != '\t') skip_blanks(at, end);
       if (column + 1 < columns && (at == end || *at++ != delimiter)) return false;
-      numbers.push_back(value);
+      part.numbers.push_back(value);
     }
     if (at < end && *at == '\r') ++at;
     if (at < end && *at++ != '\n') return false;
@@ -73,24 +81,24 @@ bool read_part(std::string_view text, Index columns, char delimiter, std::vector
 }  // namespace
 
 /// @returns false for tables that have anything but rows of numbers, which the other reader takes, or refuses
-bool NumberTable::read_plain_rows(std::size_t begin, char delimiter) {
+bool NumberTable::read_plain_rows(std::size_t begin) {
   const std::vector<std::string_view> parts = parts_of(std::string_view(text_).substr(begin));
   const Index columns = std::ssize(header_);
-  std::vector<std::vector<double>> numbers(parts.size());
+  std::vector<Part> read(parts.size());
   std::vector<char> is_plain(parts.size(), 0);
   parallel_for(parts.size(),
-               [&](std::size_t k) { is_plain[k] = read_part(parts[k], columns, delimiter, numbers[k]); });
+               [&](std::size_t k) { is_plain[k] = read_part(parts[k], columns, delimiter_, read[k]); });
   if (std::ranges::count(is_plain, 0) > 0) return false;
-  Index rows = 0;
-  for (const auto& part : numbers) rows += std::ssize(part) / columns;
-  values_.resize(rows, columns);
-  Index row = 0;
-  for (const auto& part : numbers) {
-    const Index count = std::ssize(part) / columns;
-    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    values_.middleRows(row, count) = Eigen::Map<const Rows>(part.data(), count, columns);
-    row += count;
-  }
+  std::vector<Index> first(parts.size() + 1, 0);  // row of each part
+  for (std::size_t k = 0; k < parts.size(); ++k) first[k + 1] = first[k] + std::ssize(read[k].begins);
+  values_.resize(first.back(), columns);
+  row_begins_.resize(static_cast<std::size_t>(first.back()));
+  parallel_for(parts.size(), [&](std::size_t k) {
+    std::ranges::copy(read[k].numbers, values_.data() + first[k] * columns);
+    const auto offset = static_cast<std::size_t>(parts[k].data() - text_.data());
+    std::ranges::transform(read[k].begins, row_begins_.begin() + first[k],
+                           [&](std::size_t at) { return offset + at; });
+  });
   return true;
 }
 
@@ -101,13 +109,28 @@ NumberTable NumberTable::parse(std::string text, const std::string& name) {
   const std::size_t begin = behind_header(table.text_);
   const DelimitedTable head = DelimitedTable::parse(std::string_view(table.text_).substr(0, begin), name);
   table.header_ = head.header();
-  if (table.read_plain_rows(begin, head.delimiter())) return table;
+  table.delimiter_ = head.delimiter();
+  if (table.read_plain_rows(begin)) return table;
   const DelimitedTable whole = DelimitedTable::parse(table.text_, name);
   table.header_ = whole.header();
   table.values_.resize(static_cast<Index>(whole.rows()), std::ssize(table.header_));
   for (Index column = 0; column < table.values_.cols(); ++column)
     table.values_.col(column) = whole.numbers(table.header_[static_cast<std::size_t>(column)]);
   return table;
+}
+
+void NumberTable::read_cells(Index row, std::span<std::string_view> cells) const {
+  const char* at = text_.data() + row_begins_[static_cast<std::size_t>(row)];
+  const char* const end = text_.data() + text_.size();
+  const auto ends_number = [&](char c) {
+    return c == delimiter_ || c == ' ' || c == '\t' || c == '\r' || c == '\n';
+  };
+  for (std::string_view& cell : cells) {
+    while (at < end && (*at == ' ' || *at == '\t' || *at == '+' || *at == delimiter_)) ++at;
+    const char* const begin = at;
+    while (at < end && !ends_number(*at)) ++at;
+    cell = {begin, static_cast<std::size_t>(at - begin)};
+  }
 }
 
 NumberTable NumberTable::read(const std::filesystem::path& path) {

@@ -37,11 +37,13 @@ bool asks_for_place(const Codebook& book, const QueryArguments& arguments) {
   });
 }
 
-/// Values, then gradients (output by output, coordinate by coordinate).
+/// Of a point in each row: values, then gradients (output by output, coordinate by coordinate).
+using Answers = io::NumberTable::Rows;
+
 template <class AnyQuery>
-Eigen::MatrixXd answer(AnyQuery query, Eigen::Index outputs, const QueryPoints& points, bool gradient) {
+Answers answer(AnyQuery query, Eigen::Index outputs, const QueryPoints& points, bool gradient) {
   const auto coordinates = points.x.cols();
-  Eigen::MatrixXd table(points.x.rows(), outputs + (gradient ? outputs * coordinates : 0));
+  Answers table(points.x.rows(), outputs + (gradient ? outputs * coordinates : 0));
   Eigen::VectorXd values(outputs);
   Eigen::MatrixXd slopes(outputs, coordinates);
   std::vector<double> x(static_cast<std::size_t>(coordinates));
@@ -59,29 +61,29 @@ Eigen::MatrixXd answer(AnyQuery query, Eigen::Index outputs, const QueryPoints& 
 }
 
 /// The same of many points at once.
-Eigen::MatrixXd batch_answer(codebooks::Query query, const QueryPoints& points, bool gradient) {
+Answers batch_answer(codebooks::Query query, const QueryPoints& points, bool gradient) {
   const Eigen::Index outputs = query.output_count(), coordinates = points.x.cols(), count = points.x.rows();
-  const Eigen::MatrixXd columns = points.x.transpose();
-  Eigen::MatrixXd values(outputs, count);
+  Answers table(count, outputs * (gradient ? 1 + coordinates : 1));
+  // What is a row here is a column there, in the same memory.
+  const Eigen::Map<const Eigen::MatrixXd> columns(points.x.data(), coordinates, count);
+  Eigen::Map<Eigen::MatrixXd> answers(table.data(), table.cols(), count);
   if (!gradient) {
-    query.batch(columns, values, 0);
-    return values.transpose();
+    query.batch(columns, answers, 0);
+    return table;
   }
   Eigen::MatrixXd slopes(outputs * coordinates, count);
-  query.batch(columns, values, slopes, 0);
-  Eigen::MatrixXd table(count, outputs * (1 + coordinates));
-  table.leftCols(outputs) = values.transpose();
+  query.batch(columns, answers.topRows(outputs), slopes, 0);
   for (Eigen::Index o = 0; o < outputs; ++o) {
     for (Eigen::Index k = 0; k < coordinates; ++k)
-      table.col(outputs + o * coordinates + k) = slopes.row(o + outputs * k).transpose();
+      answers.row(outputs + o * coordinates + k) = slopes.row(o + outputs * k);
   }
   return table;
 }
 
-std::string to_csv(const Coordinates& coordinates, const Labels& outputs, const QueryPoints& points,
-                   const Eigen::MatrixXd& table, bool gradient) {
-  Eigen::MatrixXd all(points.x.rows(), points.x.cols() + table.cols());
-  all << points.x, table;
+/// As CSV, to the file or part by part to stdout.
+void write_csv(const std::string& path, const Coordinates& coordinates, const Labels& outputs,
+               const QueryPoints& points, const Answers& table, bool gradient) {
+  if (table.array().isInf().any()) throw ArgumentError("an answer is infinite, which a table cannot hold");
   std::vector<std::string> header;
   for (const codebooks::Coordinate& c : coordinates) header.push_back(fmt::format("{}[{}]", c.name, c.unit));
   for (const pgd::OutputLabel& o : outputs) header.push_back(fmt::format("{}[{}]", o.name, o.unit));
@@ -91,11 +93,25 @@ std::string to_csv(const Coordinates& coordinates, const Labels& outputs, const 
         header.push_back(fmt::format("d{}/d{}[{}]", o.name, c.name, unit_quotient(o.unit, c.unit)));
     }
   }
-  return io::format_csv(header, all);
+  const auto append = [&](Eigen::Index begin, Eigen::Index end, std::string& text) {
+    std::vector<std::string_view> cells;
+    for (Eigen::Index i = begin; i < end; ++i) {
+      points.append_cells(i, cells, text);
+      for (const double value : table.row(i)) {
+        text += ',';
+        io::append_number(text, value);
+      }
+      text += '\n';
+    }
+  };
+  if (path.empty()) return io::stream_csv(header, table.rows(), append, print_part);
+  std::string text;
+  io::stream_csv(header, table.rows(), append, [&](std::string_view part) { text += part; });
+  write_answer(path, text);
 }
 
 Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels& outputs,
-             const QueryPoints& points, const Eigen::MatrixXd& table, bool gradient, bool composed) {
+             const QueryPoints& points, const Answers& table, bool gradient, bool composed) {
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-query/1"},
                  {"coordinates", Json::object()},
@@ -104,7 +120,7 @@ Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels&
   if (book.has_time()) object["coordinates"][coordinates[0].name] = list(points.x.col(0));
   for (auto k = book.has_time() ? 1 : 0; k < std::ssize(coordinates); ++k) {
     Json& of_coordinate = object["coordinates"][coordinates[static_cast<std::size_t>(k)].name];
-    of_coordinate = points.from_table ? Json(list(points.x.col(k))) : Json(points.x(0, k));
+    of_coordinate = points.table ? Json(list(points.x.col(k))) : Json(points.x(0, k));
   }
   Eigen::Index column = std::ssize(outputs);
   for (std::size_t o = 0; o < outputs.size(); ++o) {
@@ -122,14 +138,14 @@ Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels&
 }
 
 void write(const QueryArguments& arguments, const Codebook& book, const Coordinates& coordinates,
-           const Labels& outputs, const QueryPoints& points, const Eigen::MatrixXd& table) {
+           const Labels& outputs, const QueryPoints& points, const Answers& table) {
   if (arguments.json) {
     const bool composed = !arguments.until.empty();
     write_answer(
         arguments.output,
         to_json(book, coordinates, outputs, points, table, arguments.gradient, composed).dump() + "\n");
   } else {
-    write_answer(arguments.output, to_csv(coordinates, outputs, points, table, arguments.gradient));
+    write_csv(arguments.output, coordinates, outputs, points, table, arguments.gradient);
   }
 }
 
@@ -221,11 +237,10 @@ int run(const QueryArguments& arguments) {
   codebooks::DerivedQuery query(book);
   const Labels outputs = query.outputs();
   const Eigen::Index count = std::ssize(outputs);
-  const bool at_once = points.from_table && !in_mesh && count == book.output_count();  // none is derived
-  const Eigen::MatrixXd table = at_once ? batch_answer(codebooks::Query(book), points, arguments.gradient)
-                                : in_mesh
-                                    ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
-                                    : answer(std::move(query), count, points, arguments.gradient);
+  const bool at_once = points.table && !in_mesh && count == book.output_count();  // none is derived
+  const Answers table = at_once   ? batch_answer(codebooks::Query(book), points, arguments.gradient)
+                        : in_mesh ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
+                                  : answer(std::move(query), count, points, arguments.gradient);
   write(arguments, book, coordinates, outputs, points, table);
   return kDone;
 }

@@ -13,7 +13,7 @@
 #include "samara/base/names.h"
 #include "samara/base/unit_labels.h"
 #include "samara/base/units.h"
-#include "samara/io/number_table.h"
+#include "samara/io/csv.h"
 #include "samara/io/text_file.h"
 
 namespace samara::apps {
@@ -79,29 +79,35 @@ GivenPoints given_points(const std::string& path, const std::vector<Coordinate>&
   return given;
 }
 
-/// A column in SI.
-Eigen::VectorXd in_si(const GivenPoints& given, Index column, const Coordinate& coordinate) {
+/// The unit of a column; none if its numbers are in SI.
+std::optional<Unit> unit_of(const GivenPoints& given, Index column, const Coordinate& coordinate) {
   const std::string unit = column_of(given.table.header()[static_cast<std::size_t>(column)]).unit;
-  Eigen::VectorXd values = given.table.values().col(column);
-  for (Index row = 0; row < values.size(); ++row) {
-    if (std::isnan(values[row]))
-      throw given.table.error(row, fmt::format("has no {}, but a number was expected", coordinate.name));
-  }
-  if (unit.empty() || unit == coordinate.unit) return values;
+  if (unit.empty() || unit == coordinate.unit) return std::nullopt;
   try {
     if (!same_dimension(unit, coordinate.unit))
       throw ArgumentError(fmt::format("{} is in {}, expected {}", coordinate.name, unit, coordinate.unit));
-    const Unit scale = parse_unit(unit);
-    for (double& value : values) value = scale.to_si(value);
+    return parse_unit(unit);
   } catch (const ArgumentError& error) {
     throw InputError(given.file, error.what());
   }
-  return values;
+}
+
+/// A column to coordinate k of the points, in SI. All times of a point follow one another.
+void read_column(const GivenPoints& given, Index column, const Coordinate& coordinate, Index k,
+                 QueryPoints& points) {
+  const std::optional<Unit> unit = unit_of(given, column, coordinate);
+  for (Index row = 0; row < given.table.values().rows(); ++row) {
+    const double value = given.table.values()(row, column);
+    if (std::isnan(value))
+      throw given.table.error(row, fmt::format("has no {}, but a number was expected", coordinate.name));
+    points.x.col(k).segment(row * points.times, points.times).setConstant(unit ? unit->to_si(value) : value);
+  }
+  if (!unit && given.table.has_cells()) points.columns[static_cast<std::size_t>(k)] = column;
 }
 
 /// A table names the line where a point leaves the box.
 void check_inside(const GivenPoints& given, const std::vector<Coordinate>& coordinates,
-                  const Eigen::MatrixXd& x, Index times) {
+                  const io::NumberTable::Rows& x, Index times) {
   for (Index row = 0; row < x.rows(); ++row) {
     for (const Index k : given.coordinates) {
       const Coordinate& c = coordinates[static_cast<std::size_t>(k)];
@@ -131,12 +137,30 @@ void clamp(QueryPoints& points, const std::vector<Coordinate>& coordinates) {
   for (Index k = 0; k < points.x.cols(); ++k) {
     const Coordinate& c = coordinates[static_cast<std::size_t>(k)];
     const Eigen::VectorXd inside = points.x.col(k).cwiseMax(c.lower).cwiseMin(c.upper);
-    if (inside != points.x.col(k)) points.clamped.push_back(c.name);
+    if (inside == points.x.col(k)) continue;
+    points.clamped.push_back(c.name);
+    points.columns[static_cast<std::size_t>(k)] = -1;
     points.x.col(k) = inside;
   }
 }
 
 }  // namespace
+
+void QueryPoints::append_cells(Index point, std::vector<std::string_view>& cells, std::string& text) const {
+  if (table && table->has_cells()) {
+    cells.resize(table->header().size());
+    if (point % times == 0 || cells.front().empty()) table->read_cells(point / times, cells);
+  }
+  for (Index k = 0; k < x.cols(); ++k) {
+    if (k > 0) text += ',';
+    const Index column = columns[static_cast<std::size_t>(k)];
+    if (column < 0) {
+      io::append_number(text, x(point, k));
+    } else {
+      text += cells[static_cast<std::size_t>(column)];
+    }
+  }
+}
 
 QueryPoints points_of(const Codebook& book, const std::vector<Coordinate>& coordinates,
                       const QueryArguments& arguments) {
@@ -170,17 +194,16 @@ QueryPoints points_of(const Codebook& book, const std::vector<Coordinate>& coord
   check_count(rows * repeats, count + book.output_count());
 
   QueryPoints points;
-  points.from_table = given.has_value();
   points.x.resize(rows * repeats, count);
+  points.times = repeats;
+  points.columns.assign(static_cast<std::size_t>(count), -1);
   if (!times.empty()) {
     const Eigen::Map<const Eigen::VectorXd> all(times.data(), std::ssize(times));
     points.x.col(0) = all.replicate(rows, 1);
   }
   for (Index column = 0; given && column < std::ssize(given->coordinates); ++column) {
     const Index k = given->coordinates[static_cast<std::size_t>(column)];
-    const Eigen::VectorXd one = in_si(*given, column, coordinates[static_cast<std::size_t>(k)]);
-    // All times of a point follow one another.
-    points.x.col(k) = one.transpose().replicate(repeats, 1).reshaped();
+    read_column(*given, column, coordinates[static_cast<std::size_t>(k)], k, points);
   }
   for (Index k = first; k < count; ++k) {
     if (is_column(k)) continue;
@@ -197,6 +220,7 @@ QueryPoints points_of(const Codebook& book, const std::vector<Coordinate>& coord
   } else if (given) {
     check_inside(*given, coordinates, points.x, repeats);
   }
+  if (given) points.table = std::move(given->table);
   return points;
 }
 

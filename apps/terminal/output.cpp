@@ -19,6 +19,10 @@
 namespace samara::apps {
 
 void print(const std::string& text) {
+  print_part(text);
+}
+
+void print_part(std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (written && std::fflush(stdout) == 0) return;
   throw ArgumentError(fmt::format("the answer cannot be written to stdout: {}", std::strerror(errno)));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -15,6 +16,8 @@ using Json = nlohmann::ordered_json;
 
 /// @throws ArgumentError if stdout is closed or full.
 void print(const std::string& text);
+/// One of several parts of an answer. @throws as print()
+void print_part(std::string_view text);
 /// One object on one line.
 void print(const Json& object);
 /// Before the work is done: whether an answer can be written to the file.

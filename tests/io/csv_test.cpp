@@ -104,6 +104,36 @@ TEST_CASE("a table of plain numbers is read with the bits that were written, wha
   CHECK(table.values() == values);
 }
 
+TEST_CASE("the parts of a table come in the order of its rows, whichever is made first") {
+  constexpr Eigen::Index kRows = 20'011;
+  std::string text;
+  samara::io::stream_csv(
+      {"row"}, kRows,
+      [](Eigen::Index begin, Eigen::Index end, std::string& part) {
+        for (Eigen::Index i = begin; i < end; ++i) part += std::to_string(i) + "\n";
+      },
+      [&](std::string_view part) { text += part; });
+  const NumberTable read = NumberTable::parse(text, "t");
+  CHECK(read.header() == std::vector<std::string>{"row"});
+  CHECK(read.values() == Eigen::VectorXd::LinSpaced(kRows, 0.0, kRows - 1.0));
+  CHECK_THAT(error_text<ArgumentError>([] {
+               samara::io::stream_csv({"a", "a"}, 0, {}, [](std::string_view) {});
+             }),
+             Contains("\"a\" stands twice"));
+}
+
+TEST_CASE("plain numbers of a table are given as they stand in it") {
+  const NumberTable table = NumberTable::parse("# c: d\na;b;c\r\n+1.50; 2e0 ;3\r\n4;\t5;-0.60", "t");
+  REQUIRE(table.has_cells());
+  std::vector<std::string_view> cells(3);
+  table.read_cells(0, cells);
+  CHECK(cells == std::vector<std::string_view>{"1.50", "2e0", "3"});
+  table.read_cells(1, cells);
+  CHECK(cells == std::vector<std::string_view>{"4", "5", "-0.60"});
+  for (const char* text : {"a,b\n1,\n", "a;b\n1,5;2\n", "a\n\"1\"\n"})
+    CHECK_FALSE(NumberTable::parse(text, "t").has_cells());
+}
+
 TEST_CASE("a table of numbers takes what any table may hold, and names the line of what is none") {
   const NumberTable table =
       NumberTable::parse("# body: card\r\na;b\r\n+1; 2.5 \r\n\r\n# note\r\n\"3\";\r\n", "t");
