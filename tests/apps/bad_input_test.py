@@ -314,7 +314,7 @@ class BadCalls(Case):
                                (["query", line, "--zzzzzzzzzzzzz=3"], 'query has no option "--zzzzzzzzzzzzz"'),
                                (["validate", line, "again.h5"], 'validate does not take "again.h5" as well'),
                                (["completion", "tcsh"], 'SHELL is "tcsh", expected one of bash, zsh, fish'),
-                               (["info", ""], "BOOK is empty"), (["--frobnicate"], 'samara has no option "--frobnicate"')]:
+                               (["info", ""], "BOOK is empty")]:
             result = run(*call)
             self.check_error(result, 2, sentence)
             self.assertNotIn(": is", result.stderr)
@@ -327,7 +327,7 @@ class BadCalls(Case):
         commands = [c for c in json.loads(run("help", "--json").stdout)["commands"] if c["inputs"] and c["name"] not in ("help", "completion")]
         for k, command in enumerate(commands):
             needed = [word for option in command["options"] if option["required"] for word in (option["names"][-1], "flat" if option["names"][-1] == "--to" else "1")]
-            result = run(command["name"], *[kinds[k % len(kinds)]] * sum(i["required"] for i in command["inputs"]), *needed)
+            result = run(command["name"], *[kinds[k % len(kinds)]] * max(1, sum(i["required"] for i in command["inputs"])), *needed)
             with self.subTest(command=command["name"], file=kinds[k % len(kinds)]):
                 self.check_error(result, result.returncode)
                 self.assertIn(result.returncode, (2, 3))
