@@ -17,6 +17,7 @@
 #include "samara/codebooks/build/field_builder.h"
 #include "samara/codebooks/build/pgd_builder.h"
 #include "samara/codebooks/build/sampling_builder.h"
+#include "samara/codebooks/build/stepped_builder.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/fields/ready_field.h"
@@ -32,6 +33,11 @@ namespace {
 // What the trials of a plan of kind "auto" may use: both take about as long.
 constexpr long kTrialTrajectories = 20'000;
 constexpr long kTrialEvaluations = 50'000;
+/// Trajectories by steps, microseconds each, that a build may take where the plan sets no limit.
+constexpr long kMostSteppedTrajectories = 20'000'000;
+/// Of so many coordinates or fewer, the few trajectories that sampling takes cost less than the lines and checks
+/// alone that stepping needs.
+constexpr std::size_t kFewCoordinates = 2;
 
 using Clock = std::chrono::steady_clock;
 
@@ -159,12 +165,12 @@ struct Build {
   }
 
   Outcome<Solution> solve_by_sampling(CallMemory& calls, long max_calls) {
-    const CertifyClaim certify_claim = [this](const pgd::TrainField& field, double calls_made) {
-      BuildRecord record;
-      record.evaluations = calls_made;
-      return certifier(book_of({{Piece{{field}}}, std::move(record), {}}), Extent::until_wrong);
-    };
-    return codebooks::solve_by_sampling(plan, calls, max_calls, progress, certify_claim);
+    return codebooks::solve_by_sampling(plan, calls, max_calls, progress, certify_claim());
+  }
+
+  Outcome<Solution> solve_by_steps(const models::ParametricModel& parametric) {
+    return codebooks::solve_by_steps(plan, parametric, at_most(plan, kMostSteppedTrajectories), progress,
+                                     certify_claim());
   }
 
   /// The codebook with its certificate, a fresh one unless the solution brings its own.
@@ -177,6 +183,14 @@ struct Build {
   }
 
  private:
+  CertifyClaim certify_claim() {
+    return [this](const pgd::TrainField& field, double calls_made) {
+      BuildRecord record;
+      record.evaluations = calls_made;
+      return certifier(book_of({{Piece{{field}}}, std::move(record), {}}), Extent::until_wrong);
+    };
+  }
+
   BuildResult finished(const Codebook& book, const ErrorBudget& spent, Certificate certificate) const {
     const BuildRecord& record = book.build();
     certificate.met = certificate.met && is_left_to_certificate(record, spent, certificate.tolerance);
@@ -210,14 +224,31 @@ std::optional<Solution> engine_trial(const Build& build, const models::Parametri
   }
 }
 
-/// Kind "auto": sampling, whose cost is known before it is spent, has the first trial, the PGD engine the
-/// second. Both are counted, not timed, so that the choice is the same everywhere.
+/// Kind "auto" of more than a few coordinates: trajectories by steps. A field that they leave short of the tolerance
+/// is kept where the engine's trial does no better.
+/// @returns nothing where steps give no field: the choice is open
+std::optional<Solution> solve_by_steps_first(Build& build, const models::ParametricModel& model) {
+  if (build.plan.box.size() <= kFewCoordinates) return std::nullopt;
+  Outcome<Solution> stepped = build.solve_by_steps(model);
+  if (!stepped) return std::nullopt;
+  if (stepped->record.status == Termination::converged)
+    return chosen(std::move(*stepped), "trajectories by steps met the tolerance");
+  if (build.cancelled) return std::move(*stepped);
+  std::optional<Solution> second = engine_trial(build, model);
+  const std::string missed = fmt::format("steps did not ({})", to_string(stepped->record.status));
+  if (second && second->record.status == Termination::converged) return chosen(std::move(*second), missed);
+  return chosen(std::move(*stepped), "the trial of the engine did not converge either");
+}
+
+/// Kind "auto": steps; then sampling, whose cost is known before it is spent, has the first trial, the PGD engine
+/// the second. All are counted, not timed, so that the choice is the same everywhere.
 Solution solve_by_trial(Build& build, const models::ParametricModel& model) {
   const Plan& plan = build.plan;
   if (plan.prescribes_axes()) {
     return chosen(solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress),
                   "the plan prescribes an axis, and sampling chooses its own");
   }
+  if (std::optional<Solution> stepped = solve_by_steps_first(build, model)) return std::move(*stepped);
   CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
   Outcome<Solution> first = build.solve_by_sampling(calls, at_most(plan, kTrialTrajectories));
   const Termination status = first ? first->record.status : first.ending().status;
@@ -240,6 +271,7 @@ Solution solve(Build& build, const models::ParametricModel& model) {
   if (plan.builder.kind == "pgd")
     return solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress);
   if (plan.builder.kind == "auto") return solve_by_trial(build, model);
+  if (plan.builder.strategy == "steps") return given(build.solve_by_steps(model));
   CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
   return given(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)));
 }

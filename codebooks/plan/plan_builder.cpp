@@ -67,8 +67,13 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
     throw root.table("builder").error(
         "kind", "is \"pgd\", which solves the equations of a model: a command can only be sampled");
   }
+  const bool by_steps = plan.builder.strategy == "steps";
+  if (by_steps && (plan.builder.kind != "sampling" || plan.command)) {
+    throw root.table("builder").error(
+        "strategy", "is \"steps\", which is one of the builder \"sampling\", of the trajectories of a model");
+  }
   if (plan.builder.kind != "sampling" && !plan.command) return;
-  if (plan.builder.strategy != "auto") {
+  if (plan.builder.strategy != "auto" && !by_steps) {
     throw root.table("builder").error(
         "strategy", fmt::format("is \"{}\", which is one of the builder \"pgd\", not of \"sampling\"",
                                 plan.builder.strategy));
@@ -78,7 +83,7 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
         "max_cells", fmt::format("is {}, but the builder of kind \"sampling\" never splits the box",
                                  plan.builder.max_cells));
   }
-  if (plan.builder.max_nodes && *plan.builder.max_nodes > pgd::kMostLejaPoints) {
+  if (plan.builder.max_nodes && !by_steps && *plan.builder.max_nodes > pgd::kMostLejaPoints) {
     throw root.table("builder").error("max_nodes",
                                       fmt::format("is {}, expected at most {} of the builder \"sampling\"",
                                                   *plan.builder.max_nodes, pgd::kMostLejaPoints));
@@ -99,7 +104,7 @@ void read_builder(const TomlTable& root, Plan& plan) {
   table->expect_keys(
       {"kind", "strategy", "max_calls", "max_cells", "max_nodes", "max_rank", "guards", "threads", "seed"});
   plan.builder.kind = table->choice("kind", {"auto", "pgd", "sampling"});
-  std::vector<std::string> strategies = {"auto", "newton"};
+  std::vector<std::string> strategies = {"auto", "newton", "steps"};
   const std::vector<std::string>& named = pgd::strategy_names();
   strategies.insert(strategies.end(), named.begin(), named.end());
   plan.builder.strategy = table->choice("strategy", strategies);

@@ -52,7 +52,7 @@ class Cross {
     left_[1] = Eigen::RowVectorXi::LinSpaced(outputs, 0, outputs - 1);
     for (std::size_t k = 1; k < d; ++k) {
       right_[k] = k < options.start.right.size() ? options.start.right[k] : IndexBatch();
-      add_columns(right_[k], random_entries(k, std::max(kRandomPivots, 4)), options_.max_rank);
+      add_columns(right_[k], random_entries(k, options_.first_pivots), options_.max_rank);
     }
     right_[d] = IndexBatch(0, 1);
     cores_.resize(d + 1);
@@ -69,8 +69,11 @@ class Cross {
       cores_[1] = block(1);
       if (finished(result)) break;
       for (std::size_t k = 1; k < modes(); ++k) {
-        add_columns(right_[k], random_entries(k, kRandomPivots), options_.max_rank);
-        add_columns(right_[k], worst_.bottomRows(static_cast<Eigen::Index>(modes() - k)), options_.max_rank);
+        const int half = half_growth(right_[k]);
+        const Eigen::Index worst = std::min<Eigen::Index>(worst_.cols(), std::max(kGuardPivots, half));
+        add_columns(right_[k], random_entries(k, std::max(kRandomPivots, half)), options_.max_rank);
+        add_columns(right_[k], worst_.bottomRows(static_cast<Eigen::Index>(modes() - k)).leftCols(worst),
+                    options_.max_rank);
       }
     }
     result.train.cores = cores_;
@@ -85,6 +88,10 @@ class Cross {
  private:
   std::size_t modes() const { return sizes_.size(); }
   int mode_size(std::size_t k) const { return sizes_[k - 1]; }
+
+  int half_growth(const IndexBatch& set) const {
+    return static_cast<int>(0.5 * options_.growth * static_cast<double>(set.cols()));
+  }
 
   /// Random indices over the modes after mode k.
   IndexBatch random_entries(std::size_t k, int count) {
@@ -191,7 +198,9 @@ class Cross {
     const Eigen::VectorXd error = (values_at(train, entries) - exact).cwiseAbs().colwise().maxCoeff();
     std::vector<int> order(static_cast<std::size_t>(entries.cols()));
     std::iota(order.begin(), order.end(), 0);
-    const auto kept = std::min<std::ptrdiff_t>(kGuardPivots, static_cast<std::ptrdiff_t>(order.size()));
+    int most = kGuardPivots;
+    for (const IndexBatch& set : right_) most = std::max(most, half_growth(set));
+    const auto kept = std::min<std::ptrdiff_t>(most, static_cast<std::ptrdiff_t>(order.size()));
     std::partial_sort(order.begin(), order.begin() + kept, order.end(),
                       [&](int a, int b) { return error[a] > error[b]; });
     order.resize(static_cast<std::size_t>(kept));
@@ -232,6 +241,19 @@ void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank) {
     if (set.rows() > 0) add_columns(set, entries.bottomRows(set.rows()), max_rank);
 }
 
+CrossPivots carried_over(CrossPivots pivots, const std::vector<int>& from, const std::vector<int>& to) {
+  for (std::size_t k = 0; k < pivots.right.size(); ++k) {
+    IndexBatch& set = pivots.right[k];
+    for (Eigen::Index m = 0; m < set.rows(); ++m) {
+      const std::size_t mode = k + static_cast<std::size_t>(m);
+      const double ratio = static_cast<double>(to[mode] - 1) / std::max(1, from[mode] - 1);
+      for (Eigen::Index j = 0; j < set.cols(); ++j)
+        set(m, j) = static_cast<int>(std::lround(set(m, j) * ratio));
+    }
+  }
+  return pivots;
+}
+
 CrossResult interpolate(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
                         const CrossOptions& options) {
   constexpr std::string_view kWhere = "cross interpolation";
@@ -243,6 +265,8 @@ CrossResult interpolate(const EntryFunction& function, int outputs, const std::v
   require(options.tolerance > 0.0, "tolerance", options.tolerance, "more than 0", kWhere);
   require(options.max_rank >= 1, "max_rank", options.max_rank, "at least 1", kWhere);
   require(options.max_sweeps >= 1, "max_sweeps", options.max_sweeps, "at least 1", kWhere);
+  require(options.first_pivots >= 1, "first_pivots", options.first_pivots, "at least 1", kWhere);
+  require(options.growth >= 0.0, "growth", options.growth, "at least 0", kWhere);
   require(options.guard_entries >= 1, "guard_entries", options.guard_entries, "at least 1", kWhere);
   check_pivots(options.start, sizes);
   return Cross(function, outputs, sizes, options).run();

@@ -20,8 +20,8 @@
 /// entries agree with it.
 namespace samara::pgd {
 
-/// Fills values(m, j) with output m at entry j of the batch. Any callable; it is asked for an entry at most
-/// once.
+/// Fills values(m, j) with output m at entry j of the batch. Any callable; it is asked for an entry once, unless
+/// there are more than can be remembered (entry_table.h).
 using EntryFunction = std::function<void(const IndexBatch& entries, Eigen::MatrixXd& values)>;
 
 /// Right index sets of the cores, to start the next approximation of a similar function on the same grid
@@ -33,12 +33,19 @@ struct CrossPivots {
 /// Adds grid entries (modes x entries) to the right sets that there are, up to `max_rank` indices in each.
 void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank);
 
+/// The same sets on a grid of other sizes: the nodes at the same places.
+CrossPivots carried_over(CrossPivots pivots, const std::vector<int>& from, const std::vector<int>& to);
+
 struct CrossOptions {
   /// Absolute, for every output at every guard entry.
   double tolerance = 1e-6;
   int max_rank = 100;
   int max_sweeps = 20;
   int guard_entries = 200;  ///< fresh ones in every sweep
+  int first_pivots = 4;     ///< random ones, beside those of `start`
+  /// By which part of its size a set grows in every sweep, half by random indices and half by the worst guard
+  /// entries; at least by two and four.
+  double growth = 0.0;
   long max_evaluations = 50'000'000;
   std::uint64_t seed = 1;
   CrossPivots start = {};  ///< empty: random
@@ -52,7 +59,7 @@ struct CrossResult {
   std::string message = "interpolate() was not called";
   double guard_error = 0.0;  ///< largest difference on the last guard entries
   double largest = 0.0;      ///< largest |value| seen
-  long evaluations = 0;      ///< distinct entries asked for, guard included
+  long evaluations = 0;      ///< entries evaluated, guard included
   double grid_size = 0.0;    ///< entries of the whole grid
   int sweeps = 0;
   CrossPivots pivots;

@@ -10,8 +10,15 @@
 
 namespace samara::pgd {
 
-EntryTable::EntryTable(const EntryFunction& function, int outputs, std::vector<int> sizes)
-    : function_(function), outputs_(outputs), sizes_(std::move(sizes)) {
+namespace {
+
+constexpr int kBatch = 4096;  ///< entries that are evaluated together
+
+}  // namespace
+
+EntryTable::EntryTable(const EntryFunction& function, int outputs, std::vector<int> sizes,
+                       std::size_t most_numbers)
+    : function_(function), outputs_(outputs), sizes_(std::move(sizes)), most_numbers_(most_numbers) {
   double entries = 1.0;
   for (const int n : sizes_) entries *= n;
   if (!(entries < 0x1.0p63)) {
@@ -28,43 +35,55 @@ std::uint64_t EntryTable::key(const Eigen::Ref<const Eigen::VectorXi>& entry) co
   return linear;
 }
 
-std::vector<std::size_t> EntryTable::positions(const IndexBatch& entries) {
-  std::vector<std::size_t> position(static_cast<std::size_t>(entries.cols()));
-  std::vector<int> missing;
+template <class Take>
+void EntryTable::visit(const IndexBatch& entries, const Take& take) {
+  std::vector<int> missing;                 // columns of `entries`, every unknown entry once
+  std::vector<std::pair<int, int>> wanted;  // place among the missing, column
+  std::unordered_map<std::uint64_t, int> places;
   for (Eigen::Index j = 0; j < entries.cols(); ++j) {
-    const auto [it, is_new] = columns_.try_emplace(key(entries.col(j)), columns_.size());
-    position[static_cast<std::size_t>(j)] = it->second;
+    const std::uint64_t entry = key(entries.col(j));
+    if (const auto known = columns_.find(entry); known != columns_.end()) {
+      take(j, values_.data() + known->second * static_cast<std::size_t>(outputs_));
+      continue;
+    }
+    const auto [place, is_new] = places.try_emplace(entry, static_cast<int>(missing.size()));
     if (is_new) missing.push_back(static_cast<int>(j));
+    wanted.emplace_back(place->second, static_cast<int>(j));
   }
-  if (!missing.empty()) evaluate(entries(Eigen::all, missing));
-  return position;
+  std::ranges::sort(wanted);
+  auto next = wanted.begin();
+  const auto count = static_cast<int>(missing.size());
+  for (int first = 0; first < count; first += kBatch) {
+    const int last = std::min(first + kBatch, count);
+    const IndexBatch batch =
+        entries(Eigen::all, std::vector<int>(missing.begin() + first, missing.begin() + last));
+    const Eigen::MatrixXd values = evaluate(batch);
+    for (; next != wanted.end() && next->first < last; ++next)
+      take(next->second, values.col(next->first - first).data());
+    remember(batch, values);
+  }
 }
 
 Eigen::MatrixXd EntryTable::fetch(const IndexBatch& entries) {
-  const std::vector<std::size_t> position = positions(entries);
   Eigen::MatrixXd result(outputs_, entries.cols());
-  for (Eigen::Index j = 0; j < entries.cols(); ++j) {
-    const double* value =
-        values_.data() + position[static_cast<std::size_t>(j)] * static_cast<std::size_t>(outputs_);
-    result.col(j) = Eigen::Map<const Eigen::VectorXd>(value, outputs_);
-  }
+  visit(entries, [&](Eigen::Index j, const double* values) {
+    result.col(j) = Eigen::Map<const Eigen::VectorXd>(values, outputs_);
+  });
   return result;
 }
 
 Eigen::VectorXd EntryTable::fetch(const IndexBatch& entries,
                                   const Eigen::Ref<const Eigen::VectorXi>& outputs) {
-  const std::vector<std::size_t> position = positions(entries);
   Eigen::VectorXd result(entries.cols());
-  for (Eigen::Index j = 0; j < entries.cols(); ++j) {
-    result[j] = values_[position[static_cast<std::size_t>(j)] * static_cast<std::size_t>(outputs_) +
-                        static_cast<std::size_t>(outputs[j % outputs.size()])];
-  }
+  visit(entries,
+        [&](Eigen::Index j, const double* values) { result[j] = values[outputs[j % outputs.size()]]; });
   return result;
 }
 
-void EntryTable::evaluate(const IndexBatch& missing) {
+Eigen::MatrixXd EntryTable::evaluate(const IndexBatch& missing) {
   Eigen::MatrixXd values(outputs_, missing.cols());
   function_(missing, values);
+  evaluations_ += missing.cols();
   for (Eigen::Index j = 0; j < values.cols(); ++j) {
     if (values.col(j).allFinite()) {
       largest_ = std::max(largest_, values.col(j).cwiseAbs().maxCoeff());
@@ -72,6 +91,12 @@ void EntryTable::evaluate(const IndexBatch& missing) {
       bad_entry_.assign(missing.col(j).begin(), missing.col(j).end());
     }
   }
+  return values;
+}
+
+void EntryTable::remember(const IndexBatch& entries, const Eigen::MatrixXd& values) {
+  if (values_.size() + static_cast<std::size_t>(values.size()) > most_numbers_) return;
+  for (Eigen::Index j = 0; j < entries.cols(); ++j) columns_.emplace(key(entries.col(j)), columns_.size());
   values_.insert(values_.end(), values.data(), values.data() + values.size());
 }
 

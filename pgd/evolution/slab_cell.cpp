@@ -24,20 +24,6 @@ std::vector<Axis> axes_with(const AdaptiveProblem& problem, const std::vector<Ax
   return axes;
 }
 
-/// Indices of the sets carried over to axes of other sizes, to the nodes at the same place.
-CrossPivots carried_over(CrossPivots pivots, const std::vector<int>& from, const std::vector<int>& to) {
-  for (std::size_t k = 0; k < pivots.right.size(); ++k) {
-    IndexBatch& set = pivots.right[k];
-    for (Eigen::Index m = 0; m < set.rows(); ++m) {
-      const std::size_t mode = k + static_cast<std::size_t>(m);
-      const double ratio = static_cast<double>(to[mode] - 1) / std::max(1, from[mode] - 1);
-      for (Eigen::Index j = 0; j < set.cols(); ++j)
-        set(m, j) = static_cast<int>(std::lround(set(m, j) * ratio));
-    }
-  }
-  return pivots;
-}
-
 }  // namespace
 
 SlabCell whole_box(const AdaptiveProblem& problem, const Eigen::VectorXd& scales,

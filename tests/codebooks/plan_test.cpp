@@ -349,11 +349,10 @@ TEST_CASE("builders, strategies and numbers of the builder are checked") {
              StartsWith("p.toml:23: [builder] kind: is \"dmrg\"") && EndsWith("known: auto, pgd, sampling"));
   CHECK_THAT(refusal("\"newton\"", "\"newtn\""), StartsWith("p.toml:24: [builder] strategy: is \"newtn\"") &&
                                                      EndsWith("did you mean \"newton\"?"));
-  CHECK_THAT(
-      refusal("\"newton\"", "\"picard\""),
-      EndsWith(
-          "known: auto, newton, slabs, asymptotic, cross, decoupling, empirical, enrichment, incremental, "
-          "piecewise_linear, polynomial"));
+  CHECK_THAT(refusal("\"newton\"", "\"picard\""),
+             EndsWith("known: auto, newton, steps, slabs, asymptotic, cross, decoupling, empirical, "
+                      "enrichment, incremental, "
+                      "piecewise_linear, polynomial"));
   CHECK_THAT(refusal("max_calls = 100000", "max_calls = -1"),
              StartsWith("p.toml:25: [builder] max_calls: is -1"));
   CHECK_THAT(refusal("threads = 2", "threads = -1"), StartsWith("p.toml:26: [builder] threads: is -1"));

@@ -10,6 +10,7 @@
 
 #include "random_tensor.h"
 #include "samara/base/errors.h"
+#include "samara/pgd/cross/entry_table.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
@@ -336,6 +337,43 @@ TEST_CASE("limits on sweeps, rank and evaluations end the interpolation with a s
   // All entries suffice in the end: the grid is small, rank 20 is full.
   const CrossResult full = function.interpolate({.tolerance = 1e-3});
   CHECK(full.status == CrossStatus::converged);
+}
+
+TEST_CASE("sets that begin larger than the ranks find them in one sweep, and no more than they need") {
+  Sampled function = rational({15, 16, 17, 18});
+  const CrossResult small = function.interpolate({.tolerance = 1e-7});
+  const CrossResult large = function.interpolate({.tolerance = 1e-7, .first_pivots = 40, .growth = 1.0});
+  CHECK(large.status == CrossStatus::converged);
+  CHECK(large.sweeps == 1);
+  CHECK(small.sweeps > large.sweeps);
+  for (std::size_t k = 0; k < large.train.ranks().size(); ++k)
+    CHECK(large.train.ranks()[k] <= small.train.ranks()[k] + 4);
+  CHECK(function.grid_error(large.train) <= 10.0 * 1e-7);
+}
+
+TEST_CASE("a table that may remember little evaluates again and gives the same") {
+  long calls = 0;
+  const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
+    calls += entries.cols();
+    for (Eigen::Index j = 0; j < entries.cols(); ++j)
+      values.col(j) << entries(0, j) + 10.0 * entries(1, j), 7.0 - entries(0, j);
+  };
+  IndexBatch entries(2, 5);
+  entries << 1, 2, 1, 3, 2,  //
+      0, 4, 0, 1, 4;
+  EntryTable all(function, 2, {5, 6});
+  const Eigen::MatrixXd values = all.fetch(entries);
+  CHECK(calls == 3);
+  CHECK(all.fetch(entries) == values);
+  CHECK(calls == 3);
+  EntryTable none(function, 2, {5, 6}, 0);
+  CHECK(none.fetch(entries) == values);
+  CHECK(calls == 6);
+  CHECK(none.fetch(entries, Eigen::Vector2i(1, 0)) ==
+        (Eigen::VectorXd(5) << values(1, 0), values(0, 1), values(1, 2), values(0, 3), values(1, 4))
+            .finished());
+  CHECK(calls == 9);
+  CHECK(none.evaluations() == 6);
 }
 
 TEST_CASE("the same seed gives the same train to the last bit, another one other entries") {

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "samara/base/progress.h"
+#include "samara/base/termination.h"
+#include "samara/codebooks/build/sampling_builder.h"
+#include "samara/codebooks/build/solution.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/models/interface/parametric_model.h"
+
+namespace samara::codebooks {
+
+/// Solves a plan by whole trajectories of Runge-Kutta steps, thousands side by side (models/batch/batch.h): each
+/// costs microseconds, so that a build may take millions of them where sampling by the reference integrator takes
+/// thousands. Nothing is marched: a trajectory is exact to its steps, whatever the field is before it.
+///
+///  1. The step is halved until pilots, in corners and inside of the box, no longer see it, and the mesh of time
+///     follows them (time_mesh.h).
+///  2. Along lines through the box, the decay of Chebyshev coefficients tells how many nodes a coordinate needs.
+///  3. From some hundred trajectories, states and times are chosen between which all others are interpolated.
+///  4. Cross interpolation (pgd/cross/cross_interpolation.h) of these over the grid of the coordinates; first
+///     coarsely, for its pivots.
+///  5. Two thousand fresh points off the grid judge all states at all times; then the certificate, as for
+///     sampling. Where one of them is not satisfied, tolerances of the cross and of the nodes are lowered.
+///
+/// @param max_calls trajectories, those of pilots, lines and checks included
+/// @returns why there is no field: where no step is short enough, or the calls end before there is one
+Outcome<Solution> solve_by_steps(const Plan& plan, const models::ParametricModel& model, long max_calls,
+                                 const ProgressCallback& progress, const CertifyClaim& certify_claim);
+
+}  // namespace samara::codebooks

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/base/errors.h"
+#include "samara/base/progress.h"
+#include "samara/base/termination.h"
+#include "samara/models/interface/parametric_model.h"
+
+namespace samara::codebooks {
+
+/// Takes an ending out of the searches under way, to solve_by_steps(), which returns it.
+class SteppedEnd : public Error {
+ public:
+  explicit SteppedEnd(Ending why) : Error(why.message), ending(std::move(why)) {}
+  Ending ending;
+};
+
+/// Trajectories of a model by Runge-Kutta steps of one length, counted and bounded.
+class SteppedTrajectories {
+ public:
+  /// @param step the first, longest one [s]. The model and the callback must outlive the object.
+  SteppedTrajectories(const models::ParametricModel& model, double step, int threads, long max_calls,
+                      const ProgressCallback& progress);
+
+  /// A column per point: states fastest, then times. @param points coordinates x points
+  /// @throws SteppedEnd where a trajectory is not finite, or no more are allowed
+  Eigen::MatrixXd operator()(const Eigen::MatrixXd& points, const std::vector<double>& times);
+
+  double step() const { return step_; }
+  void halve_step() { step_ *= 0.5; }
+  long calls() const { return calls_; }
+  /// For the progress callback.
+  void tell(std::string stage, double fraction);
+
+ private:
+  const models::ParametricModel& model_;
+  double step_;
+  int threads_;
+  long max_calls_;
+  const ProgressCallback& progress_;
+  Progress stage_;
+  long calls_ = 0;
+};
+
+}  // namespace samara::codebooks

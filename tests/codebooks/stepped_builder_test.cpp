@@ -1,0 +1,162 @@
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "../error_text.h"
+#include "../io/temporary_directory.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/codebooks/query/trajectory_query.h"
+#include "samara/models/integrators/integrate.h"
+#include "same_codebook.h"
+#include "sample_books.h"
+
+// Codebooks of whole trajectories by Runge-Kutta steps.
+
+using namespace samara::codebooks;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// The reference plate over three coefficients, to its first swing.
+std::string stepped_plate(const std::string& builder, const std::string& end = "2") {
+  return "model = \"falling_plate_nd\"\n[box]\nC_T = [0.9, 1.3]\nC_R = [2.5, 3.3]\nA = [1.2, "
+         "1.6]\n[time]\nend = " +
+         end + "\n[tolerance]\nrelative = 1e-3\n[builder]\n" + builder;
+}
+
+const std::string kSteps = "kind = \"sampling\"\nstrategy = \"steps\"\n";
+
+BuildResult built_by_steps(const std::string& text, BuildOptions options = {.certificate_points = 200}) {
+  return build(parse_plan(text, "plan.toml"), options);
+}
+
+/// Largest error at random points, over the ranges of the certificate, against the reference integrator.
+double error_of_steps(const Codebook& book, int points, unsigned seed) {
+  const samara::models::ParametricModel model = model_of(book);
+  const Eigen::MatrixXd x = random_points(book, points, seed);
+  std::vector<double> times;
+  for (int i = 0; i <= 40; ++i) times.push_back(book.coordinates().front().upper * i / 40.0);
+  TrajectoryQuery query(book, times);
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()), book.output_count());
+  double worst = 0.0;
+  for (Eigen::Index j = 0; j < x.cols(); ++j) {
+    const auto q = point(x, j).subspan(1);
+    const samara::models::Trajectory exact = samara::models::integrate(model, q, times);
+    REQUIRE(exact.is_usable());
+    query.values(q, values);
+    for (int o = 0; o < book.output_count(); ++o) {
+      worst = std::max(worst, (values.col(o) - exact.states.col(o)).cwiseAbs().maxCoeff() /
+                                  book.certificate()->outputs[static_cast<std::size_t>(o)].range);
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("a codebook of trajectories by steps agrees with direct integration, and says what it took") {
+  const BuildResult result = built_by_steps(stepped_plate(kSteps));
+  const BuildRecord& record = result.book.build();
+  INFO(result.message << "; " << record.message);
+  CHECK(result.met);
+  CHECK(record.builder == "sampling");
+  CHECK(record.strategy == "steps");
+  CHECK(record.status == samara::Termination::converged);
+  CHECK(record.evaluations > 0.0);
+  const FieldGroup& group = result.book.pieces().front().groups().front();
+  REQUIRE(group.train() != nullptr);
+  double grid = 1.0;
+  for (std::size_t k = 1; k < group.axes().size(); ++k) grid *= group.axes()[k].size();
+  CHECK(record.grid_size == grid);
+  CHECK(result.book.certificate()->spent.discretisation <= 0.1 * 1e-3);
+  CHECK(error_of_steps(result.book, 100, 17) <= 1e-3);
+}
+
+TEST_CASE("free initial values and axes under a transform are stepped, too") {
+  const BuildResult result = built_by_steps(
+      "model = \"falling_plate_nd\"\n[box]\nC_T = { range = [0.5, 2], transform = \"log\" }\nC_R = [2.5, "
+      "3.3]\n"
+      "\"theta(0)\" = [0.3, 0.5]\n\"w(0)\" = [-0.1, 0.1]\n[time]\nend = 1\n[tolerance]\nrelative = "
+      "1e-4\n[builder]\n" +
+      kSteps);
+  INFO(result.message << "; " << result.book.build().message);
+  CHECK(result.met);
+  CHECK(result.book.coordinates()[3].role == samara::pgd::AxisRole::initial);
+  CHECK(result.book.pieces().front().groups().front().axes()[1].transform() ==
+        samara::pgd::Transform::logarithm);
+  CHECK(error_of_steps(result.book, 50, 5) <= 1e-4);
+}
+
+TEST_CASE("the number of threads changes no byte of a build by steps outside the provenance") {
+  const TemporaryDirectory directory;
+  for (const std::string threads : {"1", "2"}) {
+    const Codebook book =
+        built_by_steps(stepped_plate(kSteps + "threads = " + threads + "\n"), {.certificate_points = 50})
+            .book;
+    save(Codebook(book.model(), book.pieces(), book.build(), {}, book.certificate(), book.title()),
+         directory / threads);
+  }
+  CHECK(content(directory / "1") == content(directory / "2"));
+}
+
+TEST_CASE("the kind auto takes steps for more than two coordinates, and says why") {
+  const BuildResult result = built_by_steps(stepped_plate("kind = \"auto\"\n"));
+  INFO(result.message << "; " << result.book.build().message);
+  CHECK(result.met);
+  CHECK(result.book.build().strategy == "steps");
+  CHECK_THAT(result.book.build().message, Contains("chosen because trajectories by steps met the tolerance"));
+}
+
+TEST_CASE("steps that may not integrate enough have no result, and leave the kind auto to the others") {
+  CHECK_THAT(error_text<samara::NoResultError>(
+                 [&] { built_by_steps(stepped_plate(kSteps + "max_calls = 1000\n")); }),
+             Contains("trajectories of the 1000 allowed"));
+  const BuildResult few = built_by_steps(stepped_plate("kind = \"auto\"\nmax_calls = 1000\n"));
+  INFO(few.message << "; " << few.book.build().message);
+  CHECK(few.book.build().strategy != "steps");
+}
+
+TEST_CASE("too few ranks or nodes leave the best field, which says by how much it misses") {
+  for (const auto& [limit, end] : {std::pair{"max_rank = 3\n", "6"}, {"max_nodes = 7\n", "12"}}) {
+    const BuildResult result = built_by_steps(stepped_plate(kSteps + limit, end), {.certificate_points = 50});
+    INFO(limit << result.book.build().message);
+    CHECK_FALSE(result.met);
+    CHECK(result.book.build().status == samara::Termination::exhausted);
+    CHECK(result.book.certificate()->max_error > 1e-3);
+    CHECK_THAT(result.book.build().message, Contains("allowed do not suffice; the best field errs by"));
+  }
+}
+
+TEST_CASE("a build by steps that is cancelled on the way has no result, once it has a field it keeps it") {
+  for (const std::string stage : {"pilots", "lines", "coarse cross", "certificate"}) {
+    bool cancelled = false;
+    int reports_after = 0;
+    const BuildOptions options{.certificate_points = 50, .progress = [&](const samara::Progress& report) {
+                                 if (cancelled) ++reports_after;
+                                 cancelled = cancelled || report.stage == stage;
+                                 return !cancelled;
+                               }};
+    INFO(stage);
+    if (stage != "certificate") {
+      CHECK_THAT(error_text<samara::NoResultError>([&] { built_by_steps(stepped_plate(kSteps), options); }),
+                 Contains("cancelled"));
+    } else {
+      CHECK_FALSE(built_by_steps(stepped_plate(kSteps), options).met);
+    }
+    CHECK(cancelled);
+    CHECK(reports_after == 0);
+  }
+}
+
+TEST_CASE("steps are refused where there are no trajectories of a model to sample") {
+  const auto refused = [](const std::string& builder) {
+    return error_text<samara::InputError>([&] { parse_plan(stepped_plate(builder), "p.toml"); });
+  };
+  CHECK_THAT(refused("kind = \"pgd\"\nstrategy = \"steps\"\n"),
+             Contains("[builder] strategy: is \"steps\", which is one of the builder \"sampling\""));
+  CHECK_THAT(refused("strategy = \"steps\"\n"), Contains("[builder] strategy: is \"steps\""));
+  CHECK_THAT(refused(kSteps + "max_cells = 2\n"), Contains("[builder] max_cells: is 2"));
+}
