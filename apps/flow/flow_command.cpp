@@ -75,6 +75,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     if (!arguments.json) print(to_table(*result.book.certificate(), result.book));
     const Eigen::VectorXd change = flow::discretisation(plan, result.book, options.progress);
     clear_progress();
+    codebooks::save(flow::with_discretisation(result.book, change), arguments.output);
     std::string text =
         "twice the cells, at both ends of the box, change by these shares of the same ranges:\n";
     for (Eigen::Index o = 0; o < change.size(); ++o)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -152,6 +153,16 @@ Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& 
     change(o) = (fine.row(o) - coarse.row(o)).cwiseAbs().maxCoeff() / scale;
   }
   return change;
+}
+
+codebooks::Codebook with_discretisation(const codebooks::Codebook& book, const Eigen::VectorXd& change) {
+  codebooks::BuildRecord record = book.build();
+  record.message += "; twice the cells change, as shares of the same ranges,";
+  for (Eigen::Index o = 0; o < change.size(); ++o)
+    record.message += fmt::format("{} {} by {:.3g}", o == 0 ? "" : ",",
+                                  book.outputs()[static_cast<std::size_t>(o)].name, change(o));
+  return codebooks::Codebook(book.model(), book.pieces(), std::move(record), book.provenance(),
+                             book.certificate(), book.title());
 }
 
 }  // namespace samara::flow

@@ -34,4 +34,7 @@ codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::
 Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
                                const ProgressCallback& progress);
 
+/// The same codebook, whose build record says so in words: the certificate, which is of one grid, stays as it is.
+codebooks::Codebook with_discretisation(const codebooks::Codebook& book, const Eigen::VectorXd& change);
+
 }  // namespace samara::flow
