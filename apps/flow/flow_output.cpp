@@ -31,11 +31,15 @@ std::string to_table(const flow::StoredFlow& stored, const std::string& path) {
       with_error(s.drag, s.drag_half_width) + (s.drag_half_width ? " (95 %)" : " of unknown error");
   text += fmt::format("C_D {}   C_D' {:.4f}\nC_L {:.4f}   C_L' {:.4f}   C_M {:.4f}\n", drag, s.drag_rms,
                       s.lift, s.lift_rms, s.moment);
-  text += fmt::format("Strouhal number {:.4f}\nbubble ends {:.3f} l behind the centre\n", s.strouhal,
-                      s.bubble_end);
-  text += fmt::format("averaged over {:.4g} of {:.4g} l/U\n", s.averaged_time, s.time);
-  text += fmt::format("h div u/U {:.1e}, forces by surface and by box differ by {:.1e} of the drag\n",
-                      s.checks.divergence, s.checks.force_disagreement);
+  if (s.moving) {
+    text += fmt::format("the body moves; fields are those of t = {:.4g} l/U\n", s.time);
+  } else {
+    text += fmt::format("Strouhal number {:.4f}\nbubble ends {:.3f} l behind the centre\n", s.strouhal,
+                        s.bubble_end);
+    text += fmt::format("averaged over {:.4g} of {:.4g} l/U\n", s.averaged_time, s.time);
+  }
+  text += fmt::format("h div u/U {:.1e}, forces by surface and by box differ by {:.1e} of the {}\n",
+                      s.checks.divergence, s.checks.force_disagreement, s.moving ? "largest force" : "drag");
   if (!is_turbulent(stored)) return printable(text, "\n");
   text += fmt::format(
       "budget of k open by {:.1e}, {} cells clipped, {} guarded; y+ {:.3g} to {:.3g}, {:.0f} % viscous\n",
@@ -53,6 +57,7 @@ Json to_json(const flow::StoredFlow& stored) {
                  {"message", s.message},
                  {"reynolds", s.reynolds},
                  {"angle_of_attack", s.angle_of_attack},
+                 {"moving", s.moving},
                  {"cells", stored.grid.cells},
                  {"spacing", stored.grid.spacing},
                  {"C_D", s.drag},

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "cases.h"
 #include "tests/flow/flow_cases.h"
 
@@ -58,11 +60,23 @@ void run_shedding_cylinder() {
   print({kFlow, "dfg_2d2", "St_error", std::abs(strouhal / 0.3 - 1.0), "1", "featflow"});
 }
 
+/// A circle to and fro in fluid at rest at Keulegan and Carpenter's number 5, Re 100: drag and added mass of Morison's
+/// equation over the fifth period, of which C_D 2.09 and C_A 1.45 are published (H. Duetsch, F. Durst, S. Becker, H.
+/// Lienhart, J. Fluid Mech. 360 (1998) 249).
+void run_oscillating_circle(const Options& options) {
+  for (const int cells : options.quick ? std::vector<int>{10} : std::vector<int>{10, 20}) {
+    const MorisonFit found = oscillating_circle(cells, 10.0, 5);
+    print({kFlow, "oscillating_circle", fmt::format("C_D_{}", cells), found.drag, "1", "duetsch_1998"});
+    print({kFlow, "oscillating_circle", fmt::format("C_A_{}", cells), found.added_mass, "1", "duetsch_1998"});
+  }
+}
+
 }  // namespace
 
 void run_laminar(const Options& options) {
   if (options.wants("taylor_green")) run_taylor_green();
   if (options.wants("dfg_2d1")) run_steady_cylinder();
+  if (options.only_case == "oscillating_circle") run_oscillating_circle(options);
   if (options.only_case == "cavity_1000") run_cavity();
   if (options.only_case == "dfg_2d2") run_shedding_cylinder();
 }

@@ -150,6 +150,21 @@ void write_history(io::Hdf5Writer& file, const std::vector<LoadRecord>& history)
     file.attach_scale(std::string("/loads/") + name, 0, "/loads/t");
 }
 
+/// Where the body was at the times of the loads.
+void write_path(io::Hdf5Writer& file, const std::vector<LoadRecord>& history, const FlowCase& flow) {
+  const auto column = [&](const std::string& name, const char* unit, const auto& of) {
+    Eigen::VectorXd values(static_cast<Eigen::Index>(history.size()));
+    for (std::size_t i = 0; i < history.size(); ++i)
+      values(static_cast<Eigen::Index>(i)) = of(flow.motion->path(history[i].time));
+    file.write_vector("/loads/" + name, values);
+    file.write_text_attribute("/loads/" + name, "unit", unit);
+    file.attach_scale("/loads/" + name, 0, "/loads/t");
+  };
+  for (int d = 0; d < flow.shape.dimensions; ++d)
+    column(kAxes[static_cast<std::size_t>(d)], "l", [d](const BodyPose& pose) { return pose.place(d); });
+  column("angle", "rad", [&](const BodyPose& pose) { return flow.angle_of_attack + pose.angle; });
+}
+
 /// Numbers of a dataset of the file into a field.
 Field read_field(const io::Hdf5Reader& file, const MacGrid& grid, const std::string& name) {
   Field field = grid.field();
@@ -265,6 +280,7 @@ void save_flow(const FlowResult& result, const FlowPlan& plan, const std::filesy
   fields.write("/body/open", result.body.cell, -1, "1");
 
   write_history(file, result.history);
+  if (plan.flow.motion) write_path(file, result.history, plan.flow);
   file.write_text_attribute("/status", "status", to_string(result.status));
   file.write_text_attribute("/status", "message", result.message);
   file.write_integer_attribute("/status", "steps", result.steps);
@@ -321,6 +337,7 @@ StoredFlow load_flow(const std::filesystem::path& path) {
   s.checks.clipped_cells = static_cast<long>(file.integer_attribute("/checks", "clipped_cells"));
   s.checks.guarded_cells = static_cast<long>(file.integer_attribute("/checks", "guarded_cells"));
   s.checks.unconverged = static_cast<long>(file.integer_attribute("/checks", "unconverged"));
+  s.moving = file.has("/loads/angle");
   flow.open = read_field(file, flow.grid, "/body/open");
   for (const char* name : {"u", "v", "w", "p", "k", "k_modelled", "k_resolved", "epsilon"}) {
     const std::string dataset = fmt::format("/centre/{}", name);

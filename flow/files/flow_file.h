@@ -30,6 +30,7 @@ struct CentreField {
 struct FlowSummary {
   std::string status, message, title, plan, generator;
   double reynolds = 0.0, angle_of_attack = 0.0;
+  bool moving = false;  ///< the body moves: fields are those of an instant
   double drag = 0.0, lift = 0.0, moment = 0.0, drag_rms = 0.0, lift_rms = 0.0;
   std::optional<double> drag_half_width;  ///< of the 95 % interval; none: not known
   double strouhal = 0.0, bubble_end = 0.0, averaged_time = 0.0, time = 0.0;

@@ -9,6 +9,7 @@
 #include "samara/flow/grid/mesh_shape.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
+#include "samara/models/equations/time_function.h"
 
 namespace samara::flow {
 
@@ -89,6 +90,45 @@ double number_or(const TomlTable& table, const std::string& key, double otherwis
   return positive(table, key, table.optional_number(key).value_or(otherwise));
 }
 
+/// The path of a body: its coordinates by expressions in t.
+BodyMotion read_motion(const TomlTable& table, int dimensions) {
+  std::vector<std::string> coordinates = {"x", "y", "angle"};
+  if (dimensions == 3) coordinates.insert(coordinates.begin() + 2, "z");
+  std::vector<std::string> known = coordinates;
+  known.insert(known.end(), {"stream", "period"});
+  table.expect_keys(known);
+  BodyMotion motion;
+  std::vector<models::TimeFunction> functions(4, models::TimeFunction("0"));
+  for (const std::string& key : coordinates) {
+    if (!table.has(key)) continue;
+    const std::string text = table.string(key);
+    try {
+      const std::size_t at = key == "x" ? 0 : key == "y" ? 1 : key == "z" ? 2 : 3;
+      functions[at] = models::TimeFunction(text);
+    } catch (const ArgumentError& error) {
+      throw table.error(key, error.what());
+    }
+    motion.text += fmt::format("{}{} = {}", motion.text.empty() ? "" : ", ", key, text);
+  }
+  if (motion.text.empty()) throw table.error("", "has no path: expected x, y or angle as an expression in t");
+  if (const auto period = table.optional_number("period")) motion.period = positive(table, "period", *period);
+  motion.path = [functions](double t) {
+    BodyPose pose;
+    for (int d = 0; d < 3; ++d) {
+      const models::TimeFunction::Value value = functions[static_cast<std::size_t>(d)].at(t);
+      pose.place(d) = value.value;
+      pose.velocity(d) = value.rate;
+      pose.acceleration(d) = value.second_rate;
+    }
+    const models::TimeFunction::Value angle = functions[3].at(t);
+    pose.angle = angle.value;
+    pose.angular_rate = angle.rate;
+    pose.angular_acceleration = angle.second_rate;
+    return pose;
+  };
+  return motion;
+}
+
 /// What makes a book of the plan.
 void read_book(const TomlTable& root, FlowPlan& plan) {
   const TomlTable box = root.table("box");
@@ -121,7 +161,7 @@ void read_book(const TomlTable& root, FlowPlan& plan) {
 }
 
 FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_reader) {
-  root.expect_keys({"title", "flow", "box", "book", "tolerance"});
+  root.expect_keys({"title", "flow", "motion", "box", "book", "tolerance"});
   FlowPlan plan;
   plan.text = std::move(text);
   plan.title = root.optional_string("title").value_or("");
@@ -149,7 +189,19 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
     flow.extent.behind = number_or(*extent, "behind", flow.extent.behind);
     flow.extent.side = number_or(*extent, "side", flow.extent.side);
   }
-  plan.end = table.choice("end", {"mean", "steady"}) == "mean" ? FlowEnd::mean : FlowEnd::steady;
+  if (const auto motion = root.optional_table("motion")) {
+    flow.motion = read_motion(*motion, dimensions);
+    flow.stream = motion->optional_number("stream").value_or(1.0);
+    if (!(flow.stream >= 0.0))
+      throw motion->error("stream", fmt::format("is {}, expected its speed, not negative", flow.stream));
+    if (root.has("box"))
+      throw root.error("motion", "stands beside a [box]: a book is of bodies that are held");
+    // Fields of a body that moves have no mean, and its loads repeat with its motion.
+    table.choice("end", {"time"});
+    plan.end = FlowEnd::time;
+  } else {
+    plan.end = table.choice("end", {"mean", "steady"}) == "mean" ? FlowEnd::mean : FlowEnd::steady;
+  }
   plan.max_time = number_or(table, "max_time", plan.max_time);
   plan.max_memory = number_or(table, "max_memory", plan.max_memory);
   plan.seed = static_cast<std::uint64_t>(whole(table, "seed", 1, 0, INT64_MAX));

@@ -11,7 +11,8 @@
 
 namespace samara::flow {
 
-/// A plan of a flow (TOML, docs/flow.md): the table [flow], and for a book of flows [box], [book] and [tolerance].
+/// A plan of a flow (TOML, docs/flow.md): the table [flow]; for a body that moves [motion]; for a book of
+/// flows [box], [book] and [tolerance].
 struct FlowPlan {
   FlowCase flow;
   FlowEnd end = FlowEnd::mean;

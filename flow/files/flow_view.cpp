@@ -54,6 +54,10 @@ FlowView::FlowView(std::shared_ptr<const StoredFlow> flow, const FlowPlacement& 
   require_positive(placement.speed, "speed", "FlowView");
   require_positive(placement.length, "length", "FlowView");
   if (!placement.body.allFinite()) throw ArgumentError("FlowView: the place of the body is not finite");
+  if (flow_->summary.moving)
+    throw ArgumentError(
+        "FlowView: the flow is that of a body that moves, and holds one instant: expected the mean flow of a "
+        "held one");
   constexpr const char* kNames[3] = {"u", "v", "w"};
   for (int d = 0; d < flow_->grid.dimensions; ++d) velocity_[d] = &flow_->field(kNames[d]).values;
   open_k_ = where_open(flow_->field("k").values, flow_->open);

@@ -23,7 +23,8 @@ struct FlowPlacement {
 /// Beyond the grid there is the stream at the inflow, and no energy.
 class FlowView final : public models::TurbulentFlow {
  public:
-  /// @throws ArgumentError if speed or length is not positive and finite, or the place not finite
+  /// @throws ArgumentError if speed or length is not positive and finite, the place not finite, or the flow that of a body
+  /// that moves
   FlowView(std::shared_ptr<const StoredFlow> flow, const FlowPlacement& placement);
 
   models::AmbientSample sample(double t, const Eigen::Vector3d& position) const override;

@@ -37,6 +37,15 @@ Eigen::Vector3d MacGrid::face_centre(int direction, int i, int j, int k) const {
   return place;
 }
 
+Eigen::Vector3d MacGrid::place(Index c, int face_direction) const {
+  const int margin_z = dimensions == 3 ? kMargin : 0;
+  const Index inside = c - first + kMargin * (stride[0] + stride[1]) + margin_z * stride[2];
+  const int i = static_cast<int>(inside % stride[1]) - kMargin;
+  const int j = static_cast<int>(inside % stride[2] / stride[1]) - kMargin;
+  const int k = static_cast<int>(inside / stride[2]) - margin_z;
+  return face_direction < 0 ? centre(i, j, k) : face_centre(face_direction, i, j, k);
+}
+
 FaceField MacGrid::faces(double value) const {
   FaceField faces;
   for (int d = 0; d < dimensions; ++d) faces[static_cast<std::size_t>(d)] = field(value);

@@ -42,6 +42,8 @@ struct MacGrid {
   Eigen::Vector3d centre(int i, int j, int k = 0) const;
   /// Centre of the lower face of a cell.
   Eigen::Vector3d face_centre(int direction, int i, int j, int k = 0) const;
+  /// Centre of a cell by its index, or of its lower face of a direction (-1: of the cell).
+  Eigen::Vector3d place(Index c, int face_direction) const;
   Field field(double value = 0.0) const { return Field(static_cast<std::size_t>(size), value); }
   FaceField faces(double value = 0.0) const;
 };

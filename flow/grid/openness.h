@@ -32,11 +32,17 @@ struct Openness {
   FaceField face;            ///< a in [0, 1]; 0: closed, and the velocity there is that of the body
   Field cell;                ///< c in [0, 1], open volume
   FaceField inverse_volume;  ///< 1/V of the faces' control volumes in h^-dimensions; 0 at closed faces
-  Field inverse_cell;        ///< 1/volume of cells for transport; 0 at closed ones
+  /// Of the lower face across direction j of the control volume of u_d, at [d][j]: its open area by h over the distance
+  /// that the velocities on both sides are apart. A velocity beside the body is the mean over the open part of its volume,
+  /// nearer to its neighbour than h; with h between them the body would act as if it were a quarter of a cell thinner all
+  /// round. The distance is that over which a profile that is linear from the surface on has their difference.
+  std::array<FaceField, 3> conduction;
+  Field inverse_cell;                                ///< 1/volume of cells for transport; 0 at closed ones
   std::array<std::vector<WallPiece>, 3> wall_faces;  ///< open faces beside the body or a wall with a law
   std::vector<WallPiece> wall_cells;                 ///< open cells beside them
   std::array<std::vector<Index>, 3> closed_faces;    ///< within the body
   std::vector<Index> closed_cells;
+  Range near = {{0, 0, 0}, {0, 0, 0}};  ///< all cells and faces that the body changes
 };
 
 /// Faces that are open by less count as closed.
@@ -46,6 +52,17 @@ inline constexpr double kClosed = 0.02;
 /// @param borders periodic ones continue the body
 Openness measure_openness(const MacGrid& grid, const Borders& borders,
                           const std::optional<PlacedShape>& body);
+/// The same in place, after the body has moved.
+void measure_openness(const MacGrid& grid, const Borders& borders, const PlacedShape& body, Openness& open);
+
+/// Moments of the open part of a cube of edge 1 that a plane cuts.
+struct OpenPart {
+  double volume = 0.0;
+  double mean_distance = 0.0;  ///< from the plane
+};
+
+/// @param distance of the cube's centre from the plane, positive in the fluid; normal of the plane, into the fluid
+OpenPart measure_open_part(double distance, const Eigen::Vector3d& normal, int dimensions);
 
 /// The share of a square (or an edge, or a cube) that lies in the fluid, from the signed distances at its corners: exact
 /// for a plane surface along its edges or diagonal, a clamped linear function between.

@@ -21,6 +21,7 @@ double ellipsoid_distance(const Eigen::Vector3d& axes, int dimensions, const Eig
   Eigen::Vector3d y = Eigen::Vector3d::Zero();
   for (int d = 0; d < dimensions; ++d) y(d) = std::abs(point(d));
   const double least = axes.head(dimensions).minCoeff();
+  if (axes.head(dimensions).maxCoeff() == least) return y.norm() - least;
   const auto sum_at = [&](double t) {
     double sum = 0.0;
     for (int d = 0; d < dimensions; ++d) {
@@ -82,6 +83,24 @@ double polygon_distance(const Eigen::Matrix2Xd& corners, const Eigen::Vector3d& 
   return inside ? -std::sqrt(squared) : std::sqrt(squared);
 }
 
+/// @throws ArgumentError if two edges of a polygon cross: then it has no inside
+void require_simple(const Eigen::Matrix2Xd& corners) {
+  const Eigen::Index count = corners.cols();
+  const auto side = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& p) {
+    return (b.x() - a.x()) * (p.y() - a.y()) - (b.y() - a.y()) * (p.x() - a.x());
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Vector2d a = corners.col(i), b = corners.col((i + 1) % count);
+    for (Eigen::Index j = i + 2; j < count; ++j) {
+      const Eigen::Vector2d c = corners.col(j), d = corners.col((j + 1) % count);
+      if (side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0)
+        throw ArgumentError(fmt::format(
+            "polygon_section: the edges from corners {} and {} cross, expected an outline that does not",
+            i + 1, j + 1));
+    }
+  }
+}
+
 Shape ellipsoid_of(const Eigen::Vector3d& axes, int dimensions, const char* kind) {
   Eigen::Vector3d half = axes;
   if (dimensions == 2) half.z() = 0.0;
@@ -138,6 +157,7 @@ Shape polygon_section(const Eigen::Matrix2Xd& corners) {
   const Eigen::Vector2d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
   require(std::abs(area) > 1e-9 * (high - low).squaredNorm(), "area of the corners", area, "not 0",
           "polygon_section");
+  require_simple(corners);
   const Eigen::Vector2d centre = 0.5 * (low + high);
   const Eigen::Matrix2Xd about_centre = corners.colwise() - centre;
   const Eigen::Vector2d half = 0.5 * (high - low);
@@ -164,14 +184,18 @@ Shape box_shape(const Eigen::Vector3d& sides) {
 }
 
 PlacedShape::PlacedShape(Shape shape, const Eigen::Vector3d& place, double angle_of_attack)
-    : shape_(std::move(shape)),
-      place_(place),
-      cosine_(std::cos(angle_of_attack)),
-      sine_(std::sin(angle_of_attack)) {
+    : shape_(std::move(shape)) {
+  move_to(place, angle_of_attack);
+}
+
+void PlacedShape::move_to(const Eigen::Vector3d& place, double angle_of_attack) {
   if (!place.allFinite() || !std::isfinite(angle_of_attack))
     throw ArgumentError(
         fmt::format("the place ({}, {}, {}) or the angle of attack {} of a body is not finite", place.x(),
                     place.y(), place.z(), angle_of_attack));
+  place_ = place;
+  cosine_ = std::cos(angle_of_attack);
+  sine_ = std::sin(angle_of_attack);
 }
 
 Eigen::Vector3d PlacedShape::in_axes(const Eigen::Vector3d& point) const {

@@ -30,7 +30,8 @@ Shape ellipse_section(double semi_x, double semi_y);
 Shape rectangle_section(double side_x, double side_y);
 /// A plate of no thickness along x: for bodies thinner than two cells. Its surface is that of the faces it closes.
 Shape baffle_section(double length);
-/// A simple polygon, corners in either order [2 x n]. @throws ArgumentError also for fewer than three corners, or no area
+/// A simple polygon, corners in either order [2 x n]. @throws ArgumentError also for fewer than three corners, no area,
+/// or edges that cross
 Shape polygon_section(const Eigen::Matrix2Xd& corners);
 /// Ellipsoid with semi-axes along x, y, z.
 Shape ellipsoid_shape(const Eigen::Vector3d& semi_axes);
@@ -43,6 +44,8 @@ class PlacedShape {
  public:
   PlacedShape(Shape shape, const Eigen::Vector3d& place, double angle_of_attack);
 
+  /// To another place and angle.
+  void move_to(const Eigen::Vector3d& place, double angle_of_attack);
   double distance(const Eigen::Vector3d& point) const;
   /// Whether a baffle lies between two points.
   bool separates(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;

@@ -9,18 +9,6 @@ namespace samara::flow {
 
 namespace {
 
-/// Place of a cell, or of its lower face of a direction (-1: none).
-Eigen::Vector3d place_of(const MacGrid& grid, Index c, int face_direction) {
-  const Index inside = c - grid.first + MacGrid::kMargin * (grid.stride[0] + grid.stride[1]) +
-                       (grid.dimensions == 3 ? MacGrid::kMargin * grid.stride[2] : 0);
-  const Index plane = grid.dimensions == 3 ? grid.stride[2] : grid.size;
-  const int margin = MacGrid::kMargin;
-  const int i = static_cast<int>(inside % grid.stride[1]) - margin;
-  const int j = static_cast<int>(inside % plane / grid.stride[1]) - margin;
-  const int k = grid.dimensions == 3 ? static_cast<int>(inside / plane) - margin : 0;
-  return face_direction < 0 ? grid.centre(i, j, k) : grid.face_centre(face_direction, i, j, k);
-}
-
 /// Collects forces with their moments about a place.
 struct Collector {
   const MacGrid& grid;
@@ -29,17 +17,27 @@ struct Collector {
 
   void add(int d, double force, Index c, int face_direction) {
     loads.force(d) += force;
-    const Eigen::Vector3d arm = place_of(grid, c, face_direction) - place;
+    const Eigen::Vector3d arm = grid.place(c, face_direction) - place;
     if (d == 0) loads.moment -= arm.y() * force;
     if (d == 1) loads.moment += arm.x() * force;
   }
 };
 
+/// Momentum per area that the fluid within the control volume of a closed face gains: it moves as the body does.
+double closed_storage(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
+                      const BodyPose& pose, int d, Index c) {
+  const Eigen::Vector3d x = grid.place(c, d);
+  const double* const share = open.cell.data() + c;
+  const double volume = 0.5 * (share[-grid.stride[static_cast<std::size_t>(d)]] + share[0]);
+  return pose.velocity_at(x)(d) * momentum.volume_taken(d, c) +
+         grid.spacing * volume * pose.acceleration_at(x)(d);
+}
+
 }  // namespace
 
 BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
-                        const FlowState& state, const Eigen::Vector3d& place) {
-  Collector sum{grid, place};
+                        const FlowState& state, const BodyPose& pose, bool moves) {
+  Collector sum{grid, pose.place};
   const double area = std::pow(grid.spacing, grid.dimensions - 1), volume = area * grid.spacing;
   for (int d = 0; d < grid.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);
@@ -60,6 +58,7 @@ BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const Momentu
       for (int j = 0; j < grid.dimensions; ++j)
         taken += momentum.flux_taken(state, d, j, c) -
                  momentum.flux_taken(state, d, j, c + grid.stride[static_cast<std::size_t>(j)]);
+      if (moves) taken -= closed_storage(grid, open, momentum, pose, d, c);
       if (taken != 0.0) sum.add(d, area * taken, c, d);
     }
   }
@@ -67,7 +66,8 @@ BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const Momentu
 }
 
 Eigen::Vector3d box_force(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
-                          const FlowState& state, const Range& box, double step) {
+                          const FlowState& state, const BodyPose& pose, bool moves, const Range& box,
+                          double step) {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   const double area = std::pow(grid.spacing, grid.dimensions - 1), volume = area * grid.spacing;
   const auto for_places = [&](const Range& range, const auto& body) {
@@ -86,6 +86,20 @@ Eigen::Vector3d box_force(const MacGrid& grid, const Openness& open, const Momen
       if (inverse > 0.0) stored += (state.u[own][f] - state.u_before[own][f]) / inverse;
     });
     double entered = 0.0;
+    if (moves) {
+      // Volumes grow by what flows in, which beside the body is not what flows out.
+      Range near = open.near;
+      for (std::size_t e = 0; e < 3; ++e) {
+        near.begin[e] = std::max(near.begin[e], box.begin[e]);
+        near.end[e] = std::min(near.end[e], box.end[e]);
+      }
+      for_places(near, [&](Index c) {
+        if (open.inverse_volume[own][static_cast<std::size_t>(c)] > 0.0)
+          entered -= momentum.carried(d, c) * momentum.volume_taken(d, c);
+      });
+      for (const Index c : open.closed_faces[own])
+        entered -= closed_storage(grid, open, momentum, pose, d, c);
+    }
     for (int j = 0; j < grid.dimensions; ++j) {
       const auto across = static_cast<std::size_t>(j);
       Range low = box, high = box;

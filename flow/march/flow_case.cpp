@@ -14,6 +14,19 @@ namespace {
 
 constexpr double kMostBlockage = 0.25;
 
+void check_motion(const FlowCase& flow) {
+  const BodyMotion& motion = *flow.motion;
+  require(std::isfinite(motion.period) && motion.period >= 0.0, "period", motion.period, "not negative",
+          "flow");
+  if (flow.shape.baffle)
+    throw ArgumentError(
+        "flow: a baffle cannot move, for it fills no cells; expected a plate with a thickness");
+  const BodyPose start = motion.path(0.0);
+  if (!start.is_finite()) throw ArgumentError("flow: the path of the body is not finite at t = 0");
+  if (flow.shape.dimensions == 2 && start.place.z() != 0.0)
+    throw ArgumentError("flow: the body moves along z in a flow of the plane");
+}
+
 std::array<int, 3> cells_of(const FlowCase& flow) {
   const auto cells = [&](double length) {
     return static_cast<int>(std::lround(length * flow.cells_per_length));
@@ -35,7 +48,7 @@ double memory_of(const FlowCase& flow) {
   const std::array<int, 3> cells = cells_of(flow);
   // Fields of doubles: two velocities with their factors, discharges and openness, averages, the levels of the pressure,
   // and a checkpoint in the making.
-  const double fields = flow.shape.dimensions == 3 ? 101.0 : 70.0;
+  const double fields = flow.shape.dimensions == 3 ? 117.0 : 79.0;
   double bytes = 8.0 * fields;
   for (int d = 0; d < flow.shape.dimensions; ++d)
     bytes *= cells[static_cast<std::size_t>(d)] + 2.0 * MacGrid::kMargin;
@@ -54,6 +67,12 @@ void check_case(const FlowCase& flow, double max_memory) {
     require(length > 0.5 && length <= 1000.0, "extent", length, "more than 0.5 and at most 1000 body lengths",
             "flow");
   require_positive(max_memory, "max_memory", "flow");
+  require(std::isfinite(flow.stream) && flow.stream >= 0.0, "stream", flow.stream,
+          "its speed in U, not negative", "flow");
+  if (!flow.motion && flow.stream != 1.0)
+    throw ArgumentError(
+        fmt::format("flow: the stream of a held body is {} U, expected 1: it is what U means", flow.stream));
+  if (flow.motion) check_motion(flow);
   const double share = blockage(flow);
   if (share > kMostBlockage)
     throw ArgumentError(

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
+#include "samara/flow/grid/body_path.h"
 #include "samara/flow/grid/mac_grid.h"
 #include "samara/flow/grid/shape.h"
 #include "samara/flow/grid/turbulence_model.h"
@@ -12,7 +16,15 @@ struct Extent {
   double side = 8.0;  ///< to each side; in space above and below too
 };
 
-/// A body held in a uniform stream along x with free sides. Lengths are in body lengths l, velocities in U.
+/// How a body moves in its domain: its centre from where a held one would be, its angle on top of the angle of attack.
+struct BodyMotion {
+  BodyPath path;
+  std::string text;     ///< what says it, in checkpoints
+  double period = 0.0;  ///< l/U, over which its loads repeat; 0: none
+};
+
+/// A body in a uniform stream along x with free sides: held, or moving on a path. Lengths are in body lengths l, velocities
+/// in U: of a held body that of the stream.
 struct FlowCase {
   Shape shape;
   double angle_of_attack = 0.0;  ///< rad
@@ -21,6 +33,8 @@ struct FlowCase {
   TurbulenceModel turbulence = TurbulenceModel::k_epsilon;
   Extent extent = {};
   int cells_per_length = 16;
+  double stream = 1.0;  ///< its speed [U]; 0: a body that moves in fluid at rest
+  std::optional<BodyMotion> motion = {};
   bool central = false;  ///< central differences for advection instead of van Leer's: laminar verification
 };
 
@@ -29,7 +43,8 @@ double blockage(const FlowCase& flow);
 /// Memory that the solution of the case takes [bytes].
 double memory_of(const FlowCase& flow);
 /// @throws ArgumentError, naming value and expectation, for what cannot be solved: no positive Reynolds number, an
-/// intensity outside (0, 1], a blockage above 25 %, a body at the border or thinner than two cells, more than `max_memory`
+/// intensity outside (0, 1], a blockage above 25 %, a body at the border or thinner than two cells, more than `max_memory`,
+/// a held body in a stream of another speed than 1, a path that does not begin with numbers
 void check_case(const FlowCase& flow, double max_memory);
 /// Of the whole case.
 MacGrid grid_of(const FlowCase& flow);

@@ -37,6 +37,7 @@ void visit_state(FlowRun& run, const Visitor& visit) {
   visit("averaging", run.averaging);
   visit("change", run.change);
   visit("worst_disagreement", run.worst_disagreement);
+  visit("largest_force", run.largest_force);
   visit("unconverged", run.unconverged);
   visit("not_positive", run.not_positive);
 }
@@ -83,7 +84,7 @@ std::vector<double> as_numbers(const Eigen::VectorXd& values) {
 
 std::string case_text(const FlowCase& flow, const FlowOptions& options) {
   // Raise it whenever the same case takes other bits, or the state holds other numbers.
-  constexpr int kRevision = 2;
+  constexpr int kRevision = 3;
   std::string text = fmt::format(
       "samara {} flow, solver {}: {} of {} dimensions, angle {} Re {} I {} turbulence {} domain {} {} {} n "
       "{} central "
@@ -94,6 +95,9 @@ std::string case_text(const FlowCase& flow, const FlowOptions& options) {
   for (const double extent : flow.shape.half) text += fmt::format(" {}", extent);
   text += fmt::format(" {}", flow.shape.thickness);
   for (const double size : flow.shape.sizes) text += fmt::format(" {}", size);
+  if (flow.motion)
+    text += fmt::format("; moving in a stream of {}: {}, period {}", flow.stream, flow.motion->text,
+                        flow.motion->period);
   return text;
 }
 
@@ -135,6 +139,7 @@ bool load_checkpoint(FlowRun& run, const std::filesystem::path& path) {
   run.discarded = periods_of(as_numbers(file.vector("/discarded")));
   run.averaged = periods_of(as_numbers(file.vector("/averaged")));
   run.history = history_of(as_numbers(file.vector("/history")));
+  run.march.find_body();
   return true;
 }
 

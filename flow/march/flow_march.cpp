@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,8 +29,11 @@ FlowSetup checked(FlowSetup setup) {
   require_positive(setup.divergence, "divergence", "FlowMarch");
   require_positive(setup.largest_eddy_viscosity, "largest_eddy_viscosity", "FlowMarch");
   if (!setup.body_force.allFinite()) throw ArgumentError("FlowMarch: body_force is not finite");
-  if (!setup.body) return setup;
-  const PlacedShape& body = *setup.body;
+  if (!setup.body) {
+    if (setup.path) throw ArgumentError("FlowMarch: there is a path, and no body that follows it");
+    return setup;
+  }
+  PlacedShape& body = *setup.body;
   if (body.shape().dimensions != setup.grid.dimensions)
     throw ArgumentError(fmt::format("the body is one of {} dimensions, in a flow of {}",
                                     body.shape().dimensions, setup.grid.dimensions));
@@ -38,21 +42,32 @@ FlowSetup checked(FlowSetup setup) {
     throw ArgumentError(fmt::format(
         "the body is {:.4g} thin, less than two cells of {:.4g}: expected cells of at most {:.4g}", thickness,
         setup.grid.spacing, 0.5 * thickness));
-  const Eigen::Vector3d half = body.half_extent();
-  for (int d = 0; d < setup.grid.dimensions; ++d) {
-    const double low = body.place()(d) - half(d) - setup.grid.origin(d);
-    const double high = setup.grid.origin(d) + setup.grid.length(d) - body.place()(d) - half(d);
-    // The control volumes beside the body reach that far.
-    const double least = 4.0 * setup.grid.spacing;
-    if (std::min(low, high) < least)
-      throw ArgumentError(
-          fmt::format("the body comes within {:.4g} of a border, expected at least {:.4g}, four cells",
-                      std::min(low, high), least));
+  if (setup.path) {
+    if (body.shape().baffle)
+      throw ArgumentError("a baffle cannot move, for it fills no cells: expected a body with a thickness");
+    const BodyPose start = setup.path(0.0);
+    if (!start.is_finite()) throw ArgumentError("the path of the body is not finite at t = 0");
+    body.move_to(start.place, start.angle);
   }
+  require_within(setup.grid, body, "");
   return setup;
 }
 
 }  // namespace
+
+void require_within(const MacGrid& grid, const PlacedShape& body, const std::string& when) {
+  const Eigen::Vector3d half = body.half_extent();
+  for (int d = 0; d < grid.dimensions; ++d) {
+    const double low = body.place()(d) - half(d) - grid.origin(d);
+    const double high = grid.origin(d) + grid.length(d) - body.place()(d) - half(d);
+    // The control volumes beside the body reach that far.
+    const double least = 4.0 * grid.spacing;
+    if (!(std::min(low, high) >= least))
+      throw ArgumentError(
+          fmt::format("the body comes within {:.4g} of a border{}, expected at least {:.4g}, four cells",
+                      std::min(low, high), when, least));
+  }
+}
 
 FlowMarch::FlowMarch(FlowSetup setup)
     : setup_(checked(std::move(setup))),
@@ -64,6 +79,67 @@ FlowMarch::FlowMarch(FlowSetup setup)
   if (setup_.turbulence != TurbulenceModel::none)
     turbulence_ = std::make_unique<KEpsilon>(setup_.grid, setup_.borders, open_, setup_.viscosity,
                                              setup_.turbulence, setup_.largest_eddy_viscosity);
+  if (setup_.body) pose_.place = setup_.body->place();
+  if (moves()) find_body();
+}
+
+void FlowMarch::find_body() {
+  if (!moves()) return;
+  pose_ = setup_.path(state_.time);
+  move_body(state_.time);
+}
+
+/// The openness of the body at a time, and all that is measured by it.
+void FlowMarch::move_body(double time) {
+  const BodyPose before = pose_;
+  pose_ = setup_.path(time);
+  const auto when = [&] { return fmt::format(" at t = {:.6g}", time); };
+  if (!pose_.is_finite()) throw ArgumentError(fmt::format("the path of the body is not finite{}", when()));
+  const double reach = setup_.body->half_extent().norm();
+  const double way = (pose_.place - before.place).norm() + reach * std::abs(pose_.angle - before.angle);
+  if (way > setup_.grid.spacing)
+    throw ArgumentError(fmt::format(
+        "the body leaps by {:.4g}{}, more than a cell, {:.4g}, in a step that its rate made short "
+        "enough: expected a path without leaps",
+        way, when(), setup_.grid.spacing));
+  setup_.body->move_to(pose_.place, pose_.angle);
+  require_within(setup_.grid, *setup_.body, when());
+  were_closed_.swap(open_.closed_cells);
+  measure_openness(setup_.grid, setup_.borders, *setup_.body, open_);
+  projection_.follow_body(pose_);
+  momentum_.follow_body(pose_);
+  if (turbulence_) turbulence_->follow_body(pose_);
+}
+
+/// Cells that the body has left take the mean of their neighbours.
+void FlowMarch::fill_fresh_cells(Field& field) const {
+  const MacGrid& grid = setup_.grid;
+  const auto was_closed = [&](Index c) {
+    return std::binary_search(were_closed_.begin(), were_closed_.end(), c);
+  };
+  for (const Index c : were_closed_) {
+    if (open_.inverse_cell[static_cast<std::size_t>(c)] == 0.0) continue;
+    double sum = 0.0, weight = 0.0;
+    for (int d = 0; d < grid.dimensions; ++d) {
+      const Index s = grid.stride[static_cast<std::size_t>(d)];
+      for (const Index neighbour : {c - s, c + s}) {
+        if (was_closed(neighbour)) continue;
+        const double share = open_.cell[static_cast<std::size_t>(neighbour)];
+        sum += share * field[static_cast<std::size_t>(neighbour)];
+        weight += share;
+      }
+    }
+    if (weight > 0.0) field[static_cast<std::size_t>(c)] = sum / weight;
+  }
+}
+
+/// Faces within the body have its velocity.
+void FlowMarch::set_closed_faces() {
+  for (int d = 0; d < setup_.grid.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    for (const Index c : open_.closed_faces[at])
+      state_.u[at][static_cast<std::size_t>(c)] = pose_.velocity_at(setup_.grid.place(c, d))(d);
+  }
 }
 
 void FlowMarch::set_velocity(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& velocity) {
@@ -85,8 +161,8 @@ void FlowMarch::set_velocity(const std::function<Eigen::Vector3d(const Eigen::Ve
         }
       }
     }
-    for (const Index c : open_.closed_faces[at]) state_.u[at][static_cast<std::size_t>(c)] = 0.0;
   }
+  set_closed_faces();
   set_border_faces(grid, setup_.borders, state_.u);
   fill_margins(grid, setup_.borders, state_.u);
   // The potential that makes it free of divergence is no pressure.
@@ -109,27 +185,50 @@ double FlowMarch::allowed_step() {
     double largest = 0.0;
     for (Index c = row; c < row + grid.cells[0]; ++c) {
       const auto at = static_cast<std::size_t>(c);
-      double out = 0.0;
+      double out = 0.0, in = 0.0;
       for (int d = 0; d < grid.dimensions; ++d) {
         const auto direction = static_cast<std::size_t>(d);
         const Index s = grid.stride[direction];
         const double* const u = state_.u[direction].data() + c;
         const double* const a = open_.face[direction].data() + c;
-        out += std::max(a[s] * u[s], 0.0) + std::max(-a[0] * u[0], 0.0);
+        const double low = a[0] * u[0], high = a[s] * u[s];
+        out += std::max(high, 0.0) + std::max(-low, 0.0);
+        in += std::max(-high, 0.0) + std::max(low, 0.0);
       }
-      largest = std::max(largest, out * open_.inverse_cell[at]);
+      largest = std::max(largest, std::max(out, in) * open_.inverse_cell[at]);
     }
     return largest;
   });
-  return setup_.courant * grid.spacing / std::max(rate, 1e-12);
+  const double way = setup_.courant * grid.spacing;
+  if (!moves()) return way / std::max(rate, 1e-12);
+  // Where nothing moves yet, as long as what has the speed of the case would allow.
+  const double reach = setup_.body->half_extent().norm();
+  const auto speed_at = [&](double t) {
+    const BodyPose pose = setup_.path(t);
+    return pose.velocity.norm() + reach * std::abs(pose.angular_rate);
+  };
+  double fastest = std::max({rate, 1.0, speed_at(state_.time)});
+  for (const double part : {0.5, 1.0})
+    fastest = std::max(fastest, speed_at(state_.time + part * way / fastest));
+  return way / fastest;
 }
 
 StepReport FlowMarch::advance(double step) {
   StepReport report;
   report.step = step;
+  if (moves()) {
+    move_body(state_.time + step);
+    fill_fresh_cells(state_.p);
+    fill_fresh_cells(state_.p_change);
+    if (turbulence_) {
+      fill_fresh_cells(turbulence_->k);
+      fill_fresh_cells(turbulence_->epsilon);
+    }
+  }
   if (turbulence_) turbulence_->prepare(state_.u);
   momentum_.predict(state_, step, turbulence_ ? &turbulence_->eddy_viscosity() : nullptr,
                     turbulence_ ? &turbulence_->conductance() : nullptr);
+  if (moves()) set_closed_faces();
   report.pressure = projection_.project(state_, step, setup_.divergence);
   if (turbulence_) turbulence_->advance(state_.u, step);
   state_.time += step;
@@ -141,13 +240,12 @@ StepReport FlowMarch::advance(double step) {
 }
 
 BodyLoads FlowMarch::loads() const {
-  const Eigen::Vector3d place = setup_.body ? setup_.body->place() : Eigen::Vector3d::Zero();
-  return surface_loads(setup_.grid, open_, momentum_, state_, place);
+  return surface_loads(setup_.grid, open_, momentum_, state_, pose_, moves());
 }
 
 Eigen::Vector3d FlowMarch::force_by_box(int margin_cells) const {
   if (!setup_.body) return Eigen::Vector3d::Zero();
-  return box_force(setup_.grid, open_, momentum_, state_,
+  return box_force(setup_.grid, open_, momentum_, state_, pose_, moves(),
                    control_box(setup_.grid, *setup_.body, margin_cells), state_.last_step);
 }
 

@@ -5,9 +5,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "samara/flow/grid/body_path.h"
 #include "samara/flow/grid/borders.h"
 #include "samara/flow/grid/openness.h"
 #include "samara/flow/grid/shape.h"
@@ -28,6 +30,9 @@ struct FlowSetup {
   MacGrid grid;
   Borders borders;
   std::optional<PlacedShape> body = {};
+  /// Where the body is at a time; empty: held where it was placed. The openness of faces is measured anew in every step, and
+  /// what the body sweeps is a source of the divergence (projection.h).
+  BodyPath path = {};
   double viscosity = 0.0;
   Eigen::Vector3d body_force = Eigen::Vector3d::Zero();
   AdvectionScheme scheme = AdvectionScheme::van_leer;
@@ -40,6 +45,9 @@ struct FlowSetup {
   /// Largest h div u/U that is left.
   double divergence = 1e-8;
 };
+
+/// @param when in the message @throws ArgumentError if a body comes within four cells of a border
+void require_within(const MacGrid& grid, const PlacedShape& body, const std::string& when);
 
 /// What a step says of itself.
 struct StepReport {
@@ -59,17 +67,23 @@ class FlowMarch {
   void set_velocity(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& velocity);
   void set_turbulence(double k, double epsilon);
 
-  /// The longest step that the velocity allows now.
+  /// The longest step that the velocity allows now, and the body's, which shall not move by more than half a cell in it.
   double allowed_step();
   /// @param step where more than half a cell flows out in it, parallel streams become unstable
+  /// @throws ArgumentError if the body's path is not finite, leaps, or comes to a border
   StepReport advance(double step);
   StepReport advance() { return advance(allowed_step()); }
+
+  /// Where the body is, of a state that was set from elsewhere (flow_checkpoint.h).
+  void find_body();
 
   const FlowSetup& setup() const { return setup_; }
   const MacGrid& grid() const { return setup_.grid; }
   const Openness& openness() const { return open_; }
   FlowState& state() { return state_; }
   const FlowState& state() const { return state_; }
+  bool moves() const { return static_cast<bool>(setup_.path); }
+  const BodyPose& pose() const { return pose_; }
   KEpsilon* turbulence() { return turbulence_.get(); }
   const KEpsilon* turbulence() const { return turbulence_.get(); }
 
@@ -84,7 +98,13 @@ class FlowMarch {
   FlowMarch& operator=(const FlowMarch&) = delete;
 
  private:
+  void move_body(double time);
+  void fill_fresh_cells(Field& field) const;
+  void set_closed_faces();
+
   FlowSetup setup_;
+  BodyPose pose_;
+  std::vector<Index> were_closed_;  ///< cells, before the last move
   Openness open_;
   MomentumStep momentum_;
   Projection projection_;

@@ -26,6 +26,7 @@ struct FlowRun {
   bool averaging = false, finite = true;
   double change = 0.0;  ///< per time, when it was looked at last
   double worst_disagreement = 0.0;
+  double largest_force = 0.0;
   long unconverged = 0;   ///< steps whose pressure was not found to the tolerance
   long not_positive = 0;  ///< cells of all steps where k or eps was carried to 0 or below
 };

@@ -94,6 +94,33 @@ bool is_known(const std::vector<PeriodMeans>& periods, double share) {
   return drag.half_width < largest && std::abs(drift) < largest;
 }
 
+std::vector<PeriodMeans> last_periods(const std::vector<LoadRecord>& history, double period) {
+  const double end = history.back().time, half = 0.5 * (end - (history.front().time - history.front().step));
+  const double length = period > 0.0 ? period : half;
+  const double count = std::max(1.0, std::floor(half / length * (1.0 + 1e-9)));
+  std::vector<PeriodMeans> periods(static_cast<std::size_t>(count));
+  for (const LoadRecord& record : history) {
+    // A step counts in each period by the share of it that lies there.
+    for (std::size_t p = 0; p < periods.size(); ++p) {
+      const double low = end - length * (count - static_cast<double>(p)), high = low + length;
+      const double share = std::min(record.time, high) - std::max(record.time - record.step, low);
+      if (share <= 0.0) continue;
+      PeriodMeans& sums = periods[p];
+      sums.length += share;
+      sums.drag += share * record.drag;
+      sums.lift += share * record.lift;
+      sums.moment += share * record.moment;
+      sums.drag_squared += share * record.drag * record.drag;
+      sums.lift_squared += share * record.lift * record.lift;
+    }
+  }
+  for (PeriodMeans& means : periods) {
+    for (double* sum : {&means.drag, &means.lift, &means.moment, &means.drag_squared, &means.lift_squared})
+      *sum /= means.length;
+  }
+  return periods;
+}
+
 double shedding_frequency(const std::vector<PeriodMeans>& periods) {
   constexpr double kLeastPeriods = 3.0;
   double count = 0.0, length = 0.0;

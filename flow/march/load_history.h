@@ -53,6 +53,10 @@ bool is_settled(const std::vector<PeriodMeans>& periods);
 /// means of the first and the second half no further apart, so that no slow drift passes for a mean.
 bool is_known(const std::vector<PeriodMeans>& periods, double share);
 
+/// Means of the last whole periods of a given length that fit into the second half of a history, or of one that does not fit;
+/// with the length 0, of that half as one.
+std::vector<PeriodMeans> last_periods(const std::vector<LoadRecord>& history, double period);
+
 /// Of drag over whole periods, weighted by their lengths.
 MeanWithError mean_drag(const std::vector<PeriodMeans>& periods);
 /// Periods per time; 0 for fewer than three periods from crossing to crossing.

@@ -31,27 +31,34 @@ FlowSetup setup_of(const FlowCase& flow) {
   const std::array<double, 2> stream = stream_turbulence(flow.intensity, 1.0, 1.0);
   Border& inflow = setup.borders.side[0];
   inflow.kind = BorderKind::inflow;
-  inflow.velocity = {1.0, 0.0, 0.0};
+  inflow.velocity = {flow.stream, 0.0, 0.0};
   inflow.k = stream[0];
   inflow.epsilon = stream[1];
   setup.borders.side[1].kind = BorderKind::outflow;
   setup.body.emplace(flow.shape, Eigen::Vector3d::Zero(), flow.angle_of_attack);
+  if (flow.motion) {
+    setup.path = [path = flow.motion->path, angle = flow.angle_of_attack](double t) {
+      BodyPose pose = path(t);
+      pose.angle += angle;
+      return pose;
+    };
+  }
   setup.viscosity = 1.0 / flow.reynolds;
   setup.scheme = flow.central ? AdvectionScheme::central : AdvectionScheme::van_leer;
   setup.turbulence = flow.turbulence;
   return setup;
 }
 
-/// The stream, with a kick across it behind the body.
+/// The stream, with a kick across it behind a body that is held.
 void start(FlowRun& run, std::uint64_t seed) {
   Stream random(seed, 0);
   const double side = random.uniform() < 0.5 ? -1.0 : 1.0;
   const double offset = 0.5 * (random.uniform() - 0.5);
-  run.march.set_velocity([&](const Eigen::Vector3d& x) {
-    const bool kicked = x.x() > 0.75 && x.x() < 2.25 && std::abs(x.y() - offset) < 0.75;
-    return Eigen::Vector3d(1.0, kicked ? 0.2 * side : 0.0, 0.0);
-  });
   const Border& inflow = run.march.setup().borders.side[0];
+  run.march.set_velocity([&](const Eigen::Vector3d& x) {
+    const bool kicked = !run.march.moves() && x.x() > 0.75 && x.x() < 2.25 && std::abs(x.y() - offset) < 0.75;
+    return Eigen::Vector3d(inflow.velocity.x(), kicked ? 0.2 * side : 0.0, 0.0);
+  });
   run.march.set_turbulence(inflow.k, inflow.epsilon);
 }
 
@@ -66,6 +73,8 @@ void take_step(FlowRun& run) {
                     2.0 * loads.moment};
   run.finite = run.finite && std::isfinite(record.drag) && std::isfinite(record.lift);
   run.history.push_back(record);
+  run.largest_force = std::max(run.largest_force, loads.force.norm());
+  if (run.march.moves()) return;  // its periods are those of its motion
   if (run.averaging) run.average.add(run.march, report.step);
   if (const std::optional<PeriodMeans> period = run.counter.add(record)) {
     (run.averaging ? run.averaged : run.discarded).push_back(*period);
@@ -91,7 +100,9 @@ double change_rate(const FlowRun& run, const Field& k_before) {
 
 double disagreement(const FlowRun& run) {
   const Eigen::Vector3d surface = run.march.loads().force;
-  return (run.march.force_by_box(kBoxMargin) - surface).norm() / std::max(surface.norm(), 1e-6);
+  // The force of a body that moves to and fro passes through 0.
+  const double scale = run.march.moves() ? run.largest_force : surface.norm();
+  return (run.march.force_by_box(kBoxMargin) - surface).norm() / std::max(scale, 1e-6);
 }
 
 /// What was not reached by max_time, in words.
@@ -146,6 +157,9 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
   Field k_before;
   while (true) {
     const FlowState& state = run.march.state();
+    if (state.time >= options.max_time && options.end == FlowEnd::time)
+      return finish(run, FlowStatus::ended, fmt::format("{:.4g} l/U were asked for", options.max_time),
+                    result);
     if (state.time >= options.max_time)
       return finish(run, FlowStatus::max_time, unreached(run, options), result);
     const bool checks = (state.steps + 1) % kStepsBetweenChecks == 0;
@@ -160,7 +174,7 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
     if (checks) {
       run.change = change_rate(run, k_before);
       run.worst_disagreement = std::max(run.worst_disagreement, disagreement(run));
-      if (run.change < kSteady)
+      if (run.change < kSteady && options.end != FlowEnd::time)
         return finish(run, FlowStatus::steady, fmt::format("nothing changes after {:.4g} l/U", state.time),
                       result);
     }
@@ -169,7 +183,9 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
                     fmt::format("mean over {} periods, {:.4g} l/U", run.averaged.size(), run.average.time()),
                     result);
     const bool goes_on =
-        !options.progress || options.progress({run.averaging ? "averaging" : "developing",
+        !options.progress || options.progress({run.averaging                  ? "averaging"
+                                               : options.end == FlowEnd::time ? "marching"
+                                                                              : "developing",
                                                std::min(1.0, state.time / options.max_time)});
     if (!goes_on && state.time < options.max_time)
       return finish(run, FlowStatus::cancelled, fmt::format("cancelled at {:.4g} l/U", state.time), result);
@@ -197,7 +213,7 @@ double bubble_end(const MacGrid& grid, const Openness& open, const FaceField& ve
   return 0.0;
 }
 
-void summarise(FlowRun& run, FlowResult& result) {
+void summarise(FlowRun& run, const FlowOptions& options, double repeats, FlowResult& result) {
   FlowMarch& march = run.march;
   // A steady flow is its own mean.
   if (result.status == FlowStatus::steady || run.average.time() == 0.0) {
@@ -213,9 +229,10 @@ void summarise(FlowRun& run, FlowResult& result) {
     result.k_modelled = run.average.k_modelled();
     result.epsilon = run.average.epsilon();
   }
-  result.bubble_end = bubble_end(march.grid(), march.openness(), result.velocity);
+  if (!march.moves()) result.bubble_end = bubble_end(march.grid(), march.openness(), result.velocity);
 
   const LoadRecord& last = run.history.back();
+  if (options.end == FlowEnd::time) run.averaged = last_periods(run.history, repeats);
   const std::vector<PeriodMeans>& periods = run.averaged;
   if (result.status == FlowStatus::steady || periods.empty()) {
     // Of a flow that still changes, one step is no mean.
@@ -253,6 +270,23 @@ void summarise(FlowRun& run, FlowResult& result) {
   }
 }
 
+/// A path that ends a run after hours is refused before it. The march looks at it again, step by step.
+void check_path(const FlowCase& flow, const FlowOptions& options) {
+  if (options.end != FlowEnd::time)
+    throw ArgumentError("solve_flow: a body that moves has no mean flow, expected the end \"time\"");
+  const MacGrid grid = grid_of(flow);
+  PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), 0.0);
+  constexpr int kPlaces = 2000;
+  for (int i = 0; i <= kPlaces; ++i) {
+    const double t = options.max_time * i / kPlaces;
+    const BodyPose pose = flow.motion->path(t);
+    if (!pose.is_finite())
+      throw ArgumentError(fmt::format("solve_flow: the path of the body is not finite at t = {:.6g}", t));
+    body.move_to(pose.place, pose.angle + flow.angle_of_attack);
+    require_within(grid, body, fmt::format(" at t = {:.6g}", t));
+  }
+}
+
 void warn(const FlowCase& flow, FlowResult& result) {
   if (flow.turbulence != TurbulenceModel::none && flow.reynolds < 1e3)
     result.warnings.push_back(fmt::format(
@@ -273,13 +307,16 @@ void warn(const FlowCase& flow, FlowResult& result) {
 }  // namespace
 
 std::string to_string(FlowStatus status) {
-  constexpr std::array kNames = {"steady", "averaged", "max_time", "diverged", "cancelled"};
+  constexpr std::array kNames = {"steady", "averaged", "max_time", "ended", "diverged", "cancelled"};
   return kNames.at(static_cast<std::size_t>(status));
 }
 
 FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options) {
   check_case(flow, options.max_memory);
   require_positive(options.max_time, "max_time", "solve_flow");
+  if (options.end == FlowEnd::time && !flow.motion)
+    throw ArgumentError("solve_flow: the end \"time\" is that of bodies that move, and this one is held");
+  if (flow.motion) check_path(flow, options);
   require(options.threads >= 0, "threads", options.threads, "0 for all cores, or their number", "solve_flow");
   FlowResult result;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
@@ -302,7 +339,8 @@ FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options) {
     result.grid = run.march.grid();
     result.body = run.march.openness();
     result.history = run.history;
-    if (result.status != FlowStatus::diverged) summarise(run, result);
+    if (result.status != FlowStatus::diverged)
+      summarise(run, options, flow.motion ? flow.motion->period : 0.0, result);
   });
   result.checks.blockage = blockage(flow);
   warn(flow, result);

@@ -11,7 +11,7 @@
 #include "samara/flow/march/flow_case.h"
 #include "samara/flow/march/load_history.h"
 
-/// The flow about a body that is held in a stream: a steady one, or the mean of an unsteady one.
+/// The flow about a body that is held in a stream: a steady one, or the mean of an unsteady one; or about a body that moves.
 ///
 ///   const FlowResult flow = solve_flow({.shape = rectangle_section(1, 1), .reynolds = 22000});
 ///   flow.drag.value;      // C_D, with flow.drag.half_width
@@ -23,17 +23,19 @@ namespace samara::flow {
 enum class FlowEnd {
   mean,    ///< of whole periods, once the drag has settled, until its mean is known to 1 % (95 %)
   steady,  ///< when nothing changes any more
+  time,    ///< at max_time: of bodies that move
 };
 
 enum class FlowStatus {
   steady,    ///< nothing changes: max |du/dt| l/U^2, |dk/dt| l/U^3 < 1e-4
   averaged,  ///< the mean is known
   max_time,  ///< neither was reached by then; fields are means over what was averaged, or one instant without that
+  ended,     ///< max_time, which was asked for: fields are those of that instant
   diverged,  ///< a value is not finite, or k or eps not positive: no fields
   cancelled,
 };
 
-/// "steady", "averaged", "max_time", "diverged", "cancelled"
+/// "steady", "averaged", "max_time", "ended", "diverged", "cancelled"
 std::string to_string(FlowStatus status);
 
 struct FlowOptions {
@@ -73,11 +75,14 @@ struct FlowResult {
   Field pressure;                         ///< [density U^2]; 0 at the outflow
   Field k_modelled, k_resolved, epsilon;  ///< [U^2], [U^3/l]; the first and last are empty without a model
   /// Of known error (half_width finite) if the flow is steady or at least two periods were averaged.
+  /// At FlowEnd::time loads are over the whole periods of the motion that fit into the second half of the run, at least one,
+  /// and without a period over that half.
   MeanWithError drag;
   double lift = 0.0, moment = 0.0;        ///< means
   double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations
   double strouhal = 0.0;                  ///< f l/U; 0: nothing sheds
-  /// Behind the body's centre, where the mean u on the axis turns downstream; without a bubble the body's rear [l].
+  /// Behind the body's centre, where the mean u on the axis turns downstream; without a bubble the body's rear [l]. 0 of a
+  /// body that moves.
   double bubble_end = 0.0;
   double averaged_time = 0.0;  ///< l/U
   FlowStatus status = FlowStatus::cancelled;
@@ -89,7 +94,8 @@ struct FlowResult {
   long steps = 0;
 };
 
-/// @throws ArgumentError as check_case() does, for fewer than 0 threads, or a checkpoint that stands at max_time already;
+/// @throws ArgumentError as check_case() does, for fewer than 0 threads, a checkpoint that stands at max_time already, a body
+/// that moves and another end than FlowEnd::time, or a path that is not finite, leaps or comes to a border before max_time;
 /// InputError for a checkpoint of another case or version
 FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options = {});
 

@@ -24,21 +24,16 @@ enum class AdvectionScheme {
 
 /// What the flux of u_d across direction j needs. All fields have filled margins.
 struct FluxInput {
-  const double* u = nullptr;          ///< u_d at the start of the step, which diffuses
-  const double* carried = nullptr;    ///< u_d, extrapolated to the middle of the step, which is advected
-  const double* along = nullptr;      ///< u_j, extrapolated
-  const double* discharge = nullptr;  ///< a_j u_j, extrapolated
-  const double* open = nullptr;       ///< a_j
-  const double* eddy = nullptr;       ///< nu_T of cells; null: laminar
-  Index own = 0, across = 0;          ///< strides of d and j
-  double viscosity = 0.0;             ///< molecular
-  double per_spacing = 0.0;           ///< 1/h
+  const double* u = nullptr;           ///< u_d at the start of the step, which diffuses
+  const double* carried = nullptr;     ///< u_d, extrapolated to the middle of the step, which is advected
+  const double* along = nullptr;       ///< u_j, extrapolated
+  const double* discharge = nullptr;   ///< a_j u_j, extrapolated
+  const double* conduction = nullptr;  ///< Openness::conduction of d and j
+  const double* eddy = nullptr;        ///< nu_T of cells; null: laminar
+  Index own = 0, across = 0;           ///< strides of d and j
+  double viscosity = 0.0;              ///< molecular
+  double per_spacing = 0.0;            ///< 1/h
 };
-
-/// Share of the lower face of control volume c that is open.
-[[gnu::always_inline]] inline double open_area(const FluxInput& in, Index c) {
-  return 0.5 * (in.open[c - in.own] + in.open[c]);
-}
 
 /// nu_T on that face: of the cell that it halves, or of the four around an edge.
 template <bool kNormal>
@@ -51,6 +46,7 @@ template <bool kNormal>
 ///
 ///   m u - A (nu + nu_T) du_d/dx_j - A nu_T du_j/dx_d,   m = (discharge of both cells)/2
 ///
+/// with A by h over the distance of both velocities where one of them stands beside the body.
 /// The last term is the transposed part of 2 nu_T S; with nu alone it sums to 0 and is left out.
 template <AdvectionScheme kScheme, bool kEddy, bool kNormal>
 [[gnu::always_inline]] inline double momentum_flux(const FluxInput& in, Index c) {
@@ -67,7 +63,7 @@ template <AdvectionScheme kScheme, bool kEddy, bool kNormal>
     const double down = onward ? u[0] : u[-s];
     value = van_leer_value(up, middle, down);
   }
-  const double area = open_area(in, c) * in.per_spacing;
+  const double area = in.conduction[c] * in.per_spacing;
   double stress = in.viscosity * (in.u[c] - in.u[c - s]);
   if constexpr (kEddy) {
     const double eddy = eddy_viscosity<kNormal>(in, c);

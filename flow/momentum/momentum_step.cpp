@@ -50,10 +50,8 @@ MomentumStep::MomentumStep(const MacGrid& grid, const Borders& borders, const Op
       loss_(grid.faces()),
       ratio_(grid.field()),
       turn_(grid.field()) {
-  for (std::size_t d = 0; d < 3; ++d) {
-    for (const WallPiece& piece : open.wall_faces[d])
-      molecular_[d].push_back(piece.area / grid.spacing * viscosity / piece.distance);
-    if (static_cast<int>(d) >= grid.dimensions) continue;
+  set_walls();
+  for (std::size_t d = 0; d < static_cast<std::size_t>(grid.dimensions); ++d) {
     for (int j = 0; j < grid.dimensions; ++j)
       record_.increment[d][static_cast<std::size_t>(j)] = grid.field();
   }
@@ -65,11 +63,58 @@ Range MomentumStep::unknown_faces(int d) const {
   return range;
 }
 
+void MomentumStep::set_walls() {
+  for (std::size_t d = 0; d < 3; ++d) {
+    molecular_[d].clear();
+    for (const WallPiece& piece : open_.wall_faces[d])
+      molecular_[d].push_back(piece.area / grid_.spacing * viscosity_ / piece.distance);
+    wall_velocity_[d].assign(molecular_[d].size(), 0.0);
+  }
+}
+
+void MomentumStep::follow_body(const BodyPose& pose) {
+  if (!sweeps_) sweeping_ = grid_.faces();
+  sweeps_ = true;
+  set_walls();
+  for (int d = 0; d < grid_.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    std::fill(loss_[at].begin(), loss_[at].end(), 0.0);
+    for (std::size_t i = 0; i < open_.wall_faces[at].size(); ++i) {
+      const WallPiece& piece = open_.wall_faces[at][i];
+      if (!piece.border) wall_velocity_[at][i] = pose.velocity_at(grid_.place(piece.at, d))(d);
+    }
+  }
+}
+
+/// What moving walls give, and the momentum of what the body sweeps.
+void MomentumStep::set_sweeping() {
+  const double per_spacing = 1.0 / grid_.spacing;
+  for (int d = 0; d < grid_.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    Field& sweeping = sweeping_[at];
+    std::fill(sweeping.begin(), sweeping.end(), 0.0);
+    for (int k = open_.near.begin[2]; k < open_.near.end[2]; ++k) {
+      for (int j = open_.near.begin[1]; j < open_.near.end[1]; ++j) {
+        for (int i = open_.near.begin[0]; i < open_.near.end[0]; ++i) {
+          const Index c = grid_.at(i, j, k);
+          const auto f = static_cast<std::size_t>(c);
+          if (open_.inverse_volume[at][f] > 0.0)
+            sweeping[f] = -extrapolated_[at][f] * volume_taken(d, c) * per_spacing;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < open_.wall_faces[at].size(); ++i)
+      sweeping[static_cast<std::size_t>(open_.wall_faces[at][i].at)] +=
+          (*conductance_)[at][i] * wall_velocity_[at][i];
+  }
+}
+
 void MomentumStep::predict(FlowState& state, double step, const Field* eddy,
                            const WallConductance* conductance) {
   eddy_ = eddy;
   conductance_ = conductance != nullptr ? conductance : &molecular_;
   extrapolate(state, step);
+  if (sweeps_) set_sweeping();
   for (int d = 0; d < grid_.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);
     for (std::size_t i = 0; i < open_.wall_faces[at].size(); ++i)
@@ -118,7 +163,7 @@ FluxInput MomentumStep::flux_input(const Field& u, int d, int j) const {
           extrapolated_[own].data(),
           extrapolated_[across].data(),
           discharge_[across].data(),
-          open_.face[across].data(),
+          open_.conduction[own][across].data(),
           eddy_ != nullptr ? eddy_->data() : nullptr,
           grid_.stride[own],
           grid_.stride[across],
@@ -139,9 +184,13 @@ void MomentumStep::add_explicit(const FlowState& state, int d, double step) {
   const double* const loss = loss_[at].data();
   const double* const u = state.u[at].data();
   const double* const p = state.p.data();
+  const double* const sweeping = sweeps_ ? sweeping_[at].data() : nullptr;
   for_rows(grid_, unknown, [&](Index row, int) {
     for (Index c = row; c < row + width; ++c)
       rate[c] = -open[c] * (p[c] - p[c - own]) * per_spacing - loss[c] * u[c];
+    if (sweeping != nullptr) {
+      for (Index c = row; c < row + width; ++c) rate[c] += sweeping[c];
+    }
     for (int j = 0; j < grid_.dimensions; ++j) {
       const FluxInput in = flux_input(state.u[at], d, j);
       with_constants(scheme_, eddy_ != nullptr, j == d,
@@ -183,14 +232,14 @@ void MomentumStep::solve_implicit(int d, double step) {
       }
     };
     if (eddy_ == nullptr) {
-      solve([=](Index c) { return diffusion * in.viscosity * open_area(in, c); });
+      solve([=](Index c) { return diffusion * in.viscosity * in.conduction[c]; });
     } else if (j == d) {
       solve([=](Index c) {
-        return diffusion * (in.viscosity + eddy_viscosity<true>(in, c)) * open_area(in, c);
+        return diffusion * (in.viscosity + eddy_viscosity<true>(in, c)) * in.conduction[c];
       });
     } else {
       solve([=](Index c) {
-        return diffusion * (in.viscosity + eddy_viscosity<false>(in, c)) * open_area(in, c);
+        return diffusion * (in.viscosity + eddy_viscosity<false>(in, c)) * in.conduction[c];
       });
     }
   }
@@ -230,14 +279,27 @@ double MomentumStep::flux_taken(const FlowState& state, int d, int j, Index c) c
   double viscosity = viscosity_;
   if (eddy_ != nullptr) viscosity += normal ? eddy_viscosity<true>(in, c) : eddy_viscosity<false>(in, c);
   const double* const increment = record_.increment[at][static_cast<std::size_t>(j)].data() + c;
-  return flux - kImplicitShare * viscosity * open_area(in, c) * in.per_spacing *
+  return flux - kImplicitShare * viscosity * in.conduction[c] * in.per_spacing *
                     (increment[0] - increment[-in.across]);
+}
+
+double MomentumStep::volume_taken(int d, Index c) const {
+  const Index own = grid_.stride[static_cast<std::size_t>(d)];
+  double taken = 0.0;
+  for (int j = 0; j < grid_.dimensions; ++j) {
+    const auto across = static_cast<std::size_t>(j);
+    const double* const q = discharge_[across].data() + c;
+    const Index s = grid_.stride[across];
+    taken += 0.5 * (q[-own] + q[0]) - 0.5 * (q[s - own] + q[s]);
+  }
+  return taken;
 }
 
 double MomentumStep::wall_loss_taken(const FlowState& state, int d, std::size_t piece) const {
   const auto at = static_cast<std::size_t>(d);
   const auto face = static_cast<std::size_t>(open_.wall_faces[at][piece].at);
-  return (*conductance_)[at][piece] * (state.u_before[at][face] + record_.increment[at][0][face]);
+  return (*conductance_)[at][piece] *
+         (state.u_before[at][face] + record_.increment[at][0][face] - wall_velocity_[at][piece]);
 }
 
 }  // namespace samara::flow

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "samara/flow/grid/body_path.h"
 #include "samara/flow/grid/borders.h"
 #include "samara/flow/grid/openness.h"
 #include "samara/flow/momentum/momentum_flux.h"
@@ -36,6 +37,10 @@ struct StepRecord {
 ///
 ///   V du/dt = - sum of fluxes - a grad p - losses to walls
 ///
+/// Beside a body that moves, what flows into a control volume is not what flows out: the body sweeps the rest. There V du/dt
+/// gains u times that difference, so that a uniform velocity stays uniform, and walls take momentum by the velocity relative
+/// to them.
+///
 /// Advection takes the velocity extrapolated to the middle of the step (Adams-Bashforth), diffusion is Crank-Nicolson in
 /// directional factors, walls take momentum implicitly. Second order in time where no wall is seen through conductances.
 class MomentumStep {
@@ -49,9 +54,18 @@ class MomentumStep {
   /// @param conductance of the walls; null: molecular viscosity over the distance
   void predict(FlowState& state, double step, const Field* eddy, const WallConductance* conductance);
 
+  /// After the body has moved, and `open` with it. @param pose at the end of the step that follows
+  void follow_body(const BodyPose& pose);
+
   /// Flux through the lower face across j of the control volume of face (d, c) that the last step took, implicit parts
   /// included [U^2 per area].
   double flux_taken(const FlowState& state, int d, int j, Index c) const;
+  /// Volume that flowed into the control volume of a face in the last step, per area [U]: 0, but beside a body that moves.
+  double volume_taken(int d, Index c) const;
+  /// u_d that was carried in the last step, extrapolated to its middle.
+  double carried(int d, Index c) const {
+    return extrapolated_[static_cast<std::size_t>(d)][static_cast<std::size_t>(c)];
+  }
   /// Momentum that the wall at a face took, per volume.
   double wall_loss_taken(const FlowState& state, int d, std::size_t piece) const;
 
@@ -59,6 +73,8 @@ class MomentumStep {
   Range unknown_faces(int d) const;
 
  private:
+  void set_walls();
+  void set_sweeping();
   void extrapolate(const FlowState& state, double step);
   FluxInput flux_input(const Field& u, int d, int j) const;
   void add_explicit(const FlowState& state, int d, double step);
@@ -72,6 +88,9 @@ class MomentumStep {
   double viscosity_;
   Eigen::Vector3d body_force_;
   WallConductance molecular_;
+  std::array<std::vector<double>, 3> wall_velocity_;  ///< u_d of the walls' pieces
+  bool sweeps_ = false;                               ///< the body moves
+  FaceField sweeping_;                                ///< what that adds to the rates; empty of held bodies
   const Field* eddy_ = nullptr;
   const WallConductance* conductance_ = nullptr;
   FaceField extrapolated_, discharge_, loss_;

@@ -30,9 +30,44 @@ Projection::Projection(const MacGrid& grid, const Borders& borders, const Openne
     : grid_(grid),
       borders_(borders),
       open_(open),
-      solver_(make_pressure_solver(kind, pressure_matrix(grid, borders, open.face, open.inverse_volume))),
+      matrix_(pressure_matrix(grid, borders, open.face, open.inverse_volume)),
+      solver_(make_pressure_solver(kind, matrix_)),
       source_(grid.field()),
       sums_(grid) {}
+
+void Projection::follow_body(const BodyPose& pose) {
+  set_weights(borders_, open_.face, open_.inverse_volume, matrix_);
+  solver_->set_matrix(matrix_);
+  swept_.clear();
+  const Range& near = open_.near;
+  for (int k = near.begin[2]; k < near.end[2]; ++k) {
+    for (int j = near.begin[1]; j < near.end[1]; ++j) {
+      for (int i = near.begin[0]; i < near.end[0]; ++i) {
+        const Index c = grid_.at(i, j, k);
+        // Of a cell without open faces the sum is 0, which rounding would hide.
+        if (matrix_.inverse_diagonal[static_cast<std::size_t>(c)] == 0.0) continue;
+        double sum = 0.0;
+        bool cut = false;
+        for (int d = 0; d < grid_.dimensions; ++d) {
+          const auto at = static_cast<std::size_t>(d);
+          for (const int high : {0, 1}) {
+            const Index f = c + high * grid_.stride[at];
+            const double closed = 1.0 - open_.face[at][static_cast<std::size_t>(f)];
+            if (closed == 0.0) continue;
+            cut = true;
+            sum += (high == 1 ? closed : -closed) * pose.velocity_at(grid_.place(f, d))(d);
+          }
+        }
+        if (cut) swept_.emplace_back(c, sum);
+      }
+    }
+  }
+}
+
+/// To what flows out of cells.
+void Projection::add_swept(double factor) {
+  for (const auto& [cell, sum] : swept_) source_[static_cast<std::size_t>(cell)] += factor * sum;
+}
 
 PressureSolve Projection::project(FlowState& state, double step, double tolerance) {
   const Range cells = all_cells(grid_);
@@ -46,6 +81,7 @@ PressureSolve Projection::project(FlowState& state, double step, double toleranc
     outflow_of_row(grid_, open_, state.u, row, b);
     for (Index i = 0; i < grid_.cells[0]; ++i) b[i] *= -per_step;
   });
+  add_swept(-per_step);
   const PressureSolve report = solver_->solve(source_, state.p_change, tolerance * per_step);
   for (int d = 0; d < grid_.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);
@@ -78,11 +114,10 @@ PressureSolve Projection::project(FlowState& state, double step, double toleranc
 }
 
 double Projection::divergence(const FlowState& state) {
-  return sums_.maximum(grid_, [&](Index row) {
-    double* const out = source_.data() + row;
-    outflow_of_row(grid_, open_, state.u, row, out);
-    return largest_size(out, grid_.cells[0]);
-  });
+  for_rows(grid_, all_cells(grid_),
+           [&](Index row, int) { outflow_of_row(grid_, open_, state.u, row, source_.data() + row); });
+  add_swept(1.0);
+  return sums_.maximum(grid_, [&](Index row) { return largest_size(source_.data() + row, grid_.cells[0]); });
 }
 
 }  // namespace samara::flow

@@ -40,6 +40,19 @@ MultigridSolver::MultigridSolver(PoissonMatrix matrix)
     : direction_(matrix.grid.field()), product_(matrix.grid.field()), sums_(matrix.grid) {
   levels_.emplace_back(std::move(matrix));
   while (levels_.back().matrix.grid.cell_count() > 1) levels_.emplace_back(coarsened(levels_.back().matrix));
+  count_active_cells();
+}
+
+void MultigridSolver::set_matrix(const PoissonMatrix& matrix) {
+  PoissonMatrix& own = levels_.front().matrix;
+  for (std::size_t d = 0; d < 3; ++d)
+    std::copy(matrix.weight[d].begin(), matrix.weight[d].end(), own.weight[d].begin());
+  std::copy(matrix.inverse_diagonal.begin(), matrix.inverse_diagonal.end(), own.inverse_diagonal.begin());
+  for (std::size_t l = 1; l < levels_.size(); ++l) coarsen(levels_[l - 1].matrix, levels_[l].matrix);
+  count_active_cells();
+}
+
+void MultigridSolver::count_active_cells() {
   const PoissonMatrix& finest = levels_.front().matrix;
   active_cells_ = sums_.sum(finest.grid, [&](Index row) {
     const double* const inverse = finest.inverse_diagonal.data() + row;

@@ -13,6 +13,7 @@ class MultigridSolver final : public PressureSolver {
  public:
   explicit MultigridSolver(PoissonMatrix matrix);
   PressureSolve solve(Field& b, Field& x, double tolerance) override;
+  void set_matrix(const PoissonMatrix& matrix) override;
 
  private:
   struct Level {
@@ -31,6 +32,7 @@ class MultigridSolver final : public PressureSolver {
   void cycle();
   double dot(const Field& a, const Field& b);
   void remove_mean(Field& field);
+  void count_active_cells();
 
   std::vector<Level> levels_;
   Field direction_, product_;

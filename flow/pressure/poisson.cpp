@@ -1,5 +1,7 @@
 #include "samara/flow/pressure/poisson.h"
 
+#include <algorithm>
+
 #include "samara/flow/grid/rows.h"
 
 namespace samara::flow {
@@ -60,9 +62,18 @@ void PoissonMatrix::residual_row(Index row, const double* b, const double* x, do
 PoissonMatrix pressure_matrix(const MacGrid& grid, const Borders& borders, const FaceField& face,
                               const FaceField& inverse_volume) {
   PoissonMatrix matrix(grid);
+  for (int d = 0; d < grid.dimensions; ++d)
+    matrix.periodic[static_cast<std::size_t>(d)] = borders.periodic(d);
+  matrix.fixes_level = borders.has_outflow();
+  set_weights(borders, face, inverse_volume, matrix);
+  return matrix;
+}
+
+void set_weights(const Borders& borders, const FaceField& face, const FaceField& inverse_volume,
+                 PoissonMatrix& matrix) {
+  const MacGrid& grid = matrix.grid;
   for (int d = 0; d < grid.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);
-    matrix.periodic[at] = borders.periodic(d);
     Range faces = all_cells(grid);
     faces.end[at] += 1;
     for (int k = faces.begin[2]; k < faces.end[2]; ++k) {
@@ -80,24 +91,28 @@ PoissonMatrix pressure_matrix(const MacGrid& grid, const Borders& borders, const
       }
     }
   }
-  matrix.fixes_level = borders.has_outflow();
   matrix.set_diagonal();
-  return matrix;
 }
 
 PoissonMatrix coarsened(const PoissonMatrix& fine) {
-  std::array<int, 3> factor = {1, 1, 1}, cells = fine.grid.cells;
+  std::array<int, 3> cells = fine.grid.cells;
   for (int d = 0; d < fine.grid.dimensions; ++d) {
-    const auto at = static_cast<std::size_t>(d);
-    if (cells[at] == 1) continue;
-    factor[at] = 2;
-    cells[at] = (cells[at] + 1) / 2;
+    int& count = cells[static_cast<std::size_t>(d)];
+    if (count > 1) count = (count + 1) / 2;
   }
   PoissonMatrix coarse(MacGrid(fine.grid.dimensions, cells, 2.0 * fine.grid.spacing, fine.grid.origin));
   coarse.periodic = fine.periodic;
   coarse.fixes_level = fine.fixes_level;
+  coarsen(fine, coarse);
+  return coarse;
+}
+
+void coarsen(const PoissonMatrix& fine, PoissonMatrix& coarse) {
+  std::array<int, 3> factor = {1, 1, 1};
+  for (std::size_t d = 0; d < 3; ++d) factor[d] = coarse.grid.cells[d] < fine.grid.cells[d] ? 2 : 1;
   for (int d = 0; d < fine.grid.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);
+    std::fill(coarse.weight[at].begin(), coarse.weight[at].end(), 0.0);
     Range faces = all_cells(fine.grid);
     faces.end[at] += 1;
     for (int k = faces.begin[2]; k < faces.end[2]; ++k) {
@@ -108,7 +123,7 @@ PoissonMatrix coarsened(const PoissonMatrix& fine) {
           const bool last = place[at] == fine.grid.cells[at];
           if (!last && place[at] % factor[at] != 0) continue;  // within a coarse cell
           for (std::size_t e = 0; e < 3; ++e) place[e] /= factor[e];
-          if (last) place[at] = cells[at];
+          if (last) place[at] = coarse.grid.cells[at];
           coarse.weight[at][static_cast<std::size_t>(coarse.grid.at(place[0], place[1], place[2]))] +=
               w / factor[at];
         }
@@ -116,7 +131,6 @@ PoissonMatrix coarsened(const PoissonMatrix& fine) {
     }
   }
   coarse.set_diagonal();
-  return coarse;
 }
 
 }  // namespace samara::flow

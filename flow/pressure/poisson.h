@@ -37,8 +37,14 @@ struct PoissonMatrix {
 PoissonMatrix pressure_matrix(const MacGrid& grid, const Borders& borders, const FaceField& face,
                               const FaceField& inverse_volume);
 
+/// The same in place, of a body that has moved.
+void set_weights(const Borders& borders, const FaceField& face, const FaceField& inverse_volume,
+                 PoissonMatrix& matrix);
+
 /// The same on cells of twice the size: weights of the faces that become one are added, and halved in the direction in
 /// which the distance doubles. Directions of one cell stay.
 PoissonMatrix coarsened(const PoissonMatrix& fine);
+/// Its weights, in place.
+void coarsen(const PoissonMatrix& fine, PoissonMatrix& coarse);
 
 }  // namespace samara::flow

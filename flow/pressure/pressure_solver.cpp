@@ -19,29 +19,14 @@ namespace {
 /// their cells, which is held at 0.
 class DirectPressure final : public PressureSolver {
  public:
-  explicit DirectPressure(PoissonMatrix matrix) : matrix_(std::move(matrix)), number_(matrix_.grid.field()) {
-    const MacGrid& grid = matrix_.grid;
-    for (int k = 0; k < grid.cells[2]; ++k) {
-      for (int j = 0; j < grid.cells[1]; ++j) {
-        for (int i = 0; i < grid.cells[0]; ++i) {
-          const Index c = grid.at(i, j, k);
-          if (matrix_.inverse_diagonal[static_cast<std::size_t>(c)] == 0.0) continue;
-          number_[static_cast<std::size_t>(c)] = static_cast<double>(cells_.size());
-          cells_.push_back(c);
-        }
-      }
-    }
-    matrix_.fill_margins(number_);
-    assemble();
-    solver_ = pgd::make_sparse_solver(pgd::is_available(pgd::SparseSolverKind::cholmod)
-                                          ? pgd::SparseSolverKind::cholmod
-                                          : pgd::SparseSolverKind::eigen_ldlt,
-                                      sparse_);
-    if (!solver_->factorize(sparse_))
-      throw ArgumentError("the matrix of the pressure could not be factorised");
-    right_.resize(sparse_.rows(), 1);
-    answer_.resize(sparse_.rows(), 1);
-    residual_ = grid.field();
+  explicit DirectPressure(PoissonMatrix matrix)
+      : matrix_(std::move(matrix)), number_(matrix_.grid.field()), residual_(matrix_.grid.field()) {
+    factorize();
+  }
+
+  void set_matrix(const PoissonMatrix& matrix) override {
+    matrix_ = matrix;
+    factorize();
   }
 
   PressureSolve solve(Field& b, Field& x, double tolerance) override {
@@ -73,6 +58,32 @@ class DirectPressure final : public PressureSolver {
   }
 
  private:
+  void factorize() {
+    const MacGrid& grid = matrix_.grid;
+    cells_.clear();
+    held_.clear();
+    for (int k = 0; k < grid.cells[2]; ++k) {
+      for (int j = 0; j < grid.cells[1]; ++j) {
+        for (int i = 0; i < grid.cells[0]; ++i) {
+          const Index c = grid.at(i, j, k);
+          if (matrix_.inverse_diagonal[static_cast<std::size_t>(c)] == 0.0) continue;
+          number_[static_cast<std::size_t>(c)] = static_cast<double>(cells_.size());
+          cells_.push_back(c);
+        }
+      }
+    }
+    matrix_.fill_margins(number_);
+    assemble();
+    solver_ = pgd::make_sparse_solver(pgd::is_available(pgd::SparseSolverKind::cholmod)
+                                          ? pgd::SparseSolverKind::cholmod
+                                          : pgd::SparseSolverKind::eigen_ldlt,
+                                      sparse_);
+    if (!solver_->factorize(sparse_))
+      throw ArgumentError("the matrix of the pressure could not be factorised");
+    right_.resize(sparse_.rows(), 1);
+    answer_.resize(sparse_.rows(), 1);
+  }
+
   std::size_t place(Eigen::Index i) const {
     return static_cast<std::size_t>(cells_[static_cast<std::size_t>(i)]);
   }

@@ -25,6 +25,8 @@ class PressureSolver {
   /// A x = b to a largest residual of `tolerance`, from x as it is. b is made to sum to 0 first where nothing fixes the
   /// level; the mean of x is then 0. Margins of x are filled at periodic borders; elsewhere they must be 0, and stay so.
   virtual PressureSolve solve(Field& b, Field& x, double tolerance) = 0;
+  /// For another body, or one that has moved, on the same grid. @throws ArgumentError as make_pressure_solver() does
+  virtual void set_matrix(const PoissonMatrix& matrix) = 0;
 };
 
 /// @throws ArgumentError if the factorisation of the direct solver fails.

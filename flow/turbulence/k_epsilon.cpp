@@ -93,10 +93,7 @@ KEpsilon::KEpsilon(const MacGrid& grid, const Borders& borders, const Openness& 
       wall_distance_(grid.field()),
       row_sums_(static_cast<std::size_t>(grid.cells[1] * grid.cells[2])),
       sums_(grid) {
-  for (std::size_t d = 0; d < 3; ++d) conductance_[d].resize(open.wall_faces[d].size());
-  for (const WallPiece& cell : open.wall_cells) {
-    if (cell.area > kLeastWall) wall_distance_[static_cast<std::size_t>(cell.at)] = cell.distance;
-  }
+  set_walls();
   given_k_.fill(-1.0);
   given_epsilon_.fill(-1.0);
   wall_eddy_.fill(-1.0);
@@ -112,6 +109,20 @@ KEpsilon::KEpsilon(const MacGrid& grid, const Borders& borders, const Openness& 
       returning_epsilon_ = border.epsilon;
     }
   }
+}
+
+void KEpsilon::set_walls() {
+  for (std::size_t d = 0; d < 3; ++d) conductance_[d].resize(open_.wall_faces[d].size());
+  for (const WallPiece& cell : open_.wall_cells) {
+    if (cell.area > kLeastWall) wall_distance_[static_cast<std::size_t>(cell.at)] = cell.distance;
+  }
+}
+
+void KEpsilon::follow_body(const BodyPose& pose) {
+  pose_ = pose;
+  transport_.follow_body();
+  std::fill(wall_distance_.begin(), wall_distance_.end(), 0.0);
+  set_walls();
 }
 
 void KEpsilon::set(double k_value, double epsilon_value) {
@@ -158,9 +169,11 @@ void KEpsilon::apply_wall_law(const FaceField& velocity) {
     if (wall_distance_[at] == 0.0) continue;
     const WallLaw law(k[at], cell.distance, viscosity_);
     double squared = 0.0;
+    const Eigen::Vector3d wall =
+        cell.border ? Eigen::Vector3d::Zero() : pose_.velocity_at(grid_.place(cell.at, -1));
     for (int d = 0; d < grid_.dimensions; ++d) {
       const double* const u = velocity[static_cast<std::size_t>(d)].data() + cell.at;
-      const double middle = 0.5 * (u[0] + u[grid_.stride[static_cast<std::size_t>(d)]]);
+      const double middle = 0.5 * (u[0] + u[grid_.stride[static_cast<std::size_t>(d)]]) - wall(d);
       squared += middle * middle;
     }
     production_[at] =

@@ -47,6 +47,8 @@ class KEpsilon {
   KEpsilon(const MacGrid& grid, const Borders& borders, const Openness& open, double viscosity,
            TurbulenceModel model, double largest_eddy_viscosity);
 
+  /// After the body has moved, and `open` with it. @param pose at the end of the step that follows
+  void follow_body(const BodyPose& pose);
   /// Both everywhere.
   void set(double k, double epsilon);
   /// nu_T, G and what the walls take, from the fields as they are. @param velocity with filled margins
@@ -70,6 +72,7 @@ class KEpsilon {
   double total_production();
 
  private:
+  void set_walls();
   void find_production(const FaceField& velocity);
   void apply_wall_law(const FaceField& velocity);
   void apply_sources(double step);
@@ -86,6 +89,7 @@ class KEpsilon {
   Field growth_;         ///< G/k
   Field wall_distance_;  ///< of cells beside walls; 0 elsewhere
   WallConductance conductance_;
+  BodyPose pose_;  ///< at rest of held bodies
   std::array<double, 6> given_k_, given_epsilon_, wall_eddy_;
   double returning_k_ = 0.0, returning_epsilon_ = 0.0;  ///< carried by what comes back through an outflow
   EnergyBudget budget_;

@@ -71,12 +71,14 @@ double MonotoneTransport::set_velocity(const FaceField& velocity) {
   return sums_.maximum(grid_, [&](Index row) {
     double largest = 0.0;
     for (Index c = row; c < row + grid_.cells[0]; ++c) {
-      double out = 0.0;
+      double out = 0.0, in = 0.0;
       for (int d = 0; d < grid_.dimensions; ++d) {
         const double* const q = discharge_[static_cast<std::size_t>(d)].data() + c;
-        out += std::max(q[grid_.stride[static_cast<std::size_t>(d)]], 0.0) + std::max(-q[0], 0.0);
+        const double high = q[grid_.stride[static_cast<std::size_t>(d)]];
+        out += std::max(high, 0.0) + std::max(-q[0], 0.0);
+        in += std::max(-high, 0.0) + std::max(q[0], 0.0);
       }
-      largest = std::max(largest, out * open_.inverse_cell[static_cast<std::size_t>(c)]);
+      largest = std::max(largest, std::max(out, in) * open_.inverse_cell[static_cast<std::size_t>(c)]);
     }
     return largest;
   }) / grid_.spacing;
@@ -111,7 +113,7 @@ double MonotoneTransport::advect(Field& s, double step, const std::array<double,
     const double* const inverse = open_.inverse_cell.data();
     for (Index c = row; c < end; ++c) now[c] = old[c] - step * per_spacing * inverse[c] * now[c];
   });
-  double entered = 0.0;
+  double entered = sweeps_ ? add_swept(old, s, step * per_spacing) : 0.0;
   for (int side = 0; side < 2 * grid_.dimensions; ++side) {
     if (borders_.periodic(side / 2)) continue;
     const auto across = static_cast<std::size_t>(side / 2);
@@ -121,6 +123,27 @@ double MonotoneTransport::advect(Field& s, double step, const std::array<double,
     });
   }
   return entered * step * per_spacing;
+}
+
+/// @returns what the body's sweeping adds to the sum of V s, over `scale`
+double MonotoneTransport::add_swept(const double* old, Field& s, double scale) const {
+  double sum = 0.0;
+  for (int k = open_.near.begin[2]; k < open_.near.end[2]; ++k) {
+    for (int j = open_.near.begin[1]; j < open_.near.end[1]; ++j) {
+      for (int i = open_.near.begin[0]; i < open_.near.end[0]; ++i) {
+        const auto c = static_cast<std::size_t>(grid_.at(i, j, k));
+        if (open_.inverse_cell[c] == 0.0) continue;
+        double out = 0.0;
+        for (int d = 0; d < grid_.dimensions; ++d) {
+          const double* const q = discharge_[static_cast<std::size_t>(d)].data() + c;
+          out += q[grid_.stride[static_cast<std::size_t>(d)]] - q[0];
+        }
+        s[c] += scale * open_.inverse_cell[c] * old[c] * out;
+        sum += old[c] * out;
+      }
+    }
+  }
+  return sum;
 }
 
 double MonotoneTransport::diffuse(Field& s, double step, double viscosity, const Field* eddy, double sigma,

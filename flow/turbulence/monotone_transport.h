@@ -20,7 +20,10 @@ class MonotoneTransport {
   /// @param grid, borders, open must outlive this object
   MonotoneTransport(const MacGrid& grid, const Borders& borders, const Openness& open);
 
-  /// a u of all faces; call it when the velocity has changed. @returns the largest share of a cell that flows out per time
+  /// Beside a body that moves, what flows into a cell is not what flows out: the body sweeps the rest. From now on, cells gain
+  /// s times that difference, so that a uniform s stays uniform; it counts as entered.
+  void follow_body() { sweeps_ = true; }
+  /// a u of all faces; call it when the velocity has changed. @returns the largest share of a cell that flows out of it, or into it, per time
   double set_velocity(const FaceField& velocity);
   /// s := after `step`, of at most half the inverse of that rate. @param given values at inflows and walls (fill_margins),
   /// also those of what comes back through an outflow @returns what entered through the borders, sum of V s
@@ -30,9 +33,12 @@ class MonotoneTransport {
                  const std::array<double, 6>& given);
 
  private:
+  double add_swept(const double* old, Field& s, double scale) const;
+
   const MacGrid& grid_;
   const Borders& borders_;
   const Openness& open_;
+  bool sweeps_ = false;
   FaceField discharge_;
   Field before_, ratio_, turn_;
   RowSums sums_;

@@ -114,6 +114,34 @@ class Flows(Case):
                 self.assertEqual(" ".join(map(str, file[dataset].shape)), item.attrib["Dimensions"])
         self.check_error(run("export", flow(), "--to", "paraview", "-o", FOLDER / "wake.vtu"), 2, "expected a name in .xdmf")
 
+    def test_a_body_moves_on_the_path_of_its_plan(self):
+        moving = PLAN.replace('end = "steady"\nmax_time = 80\n', "max_time = 1.5\n").replace("before = 3, behind = 6", "before = 3, behind = 3")
+        motion = '[motion]\nx = "-0.5*sin(2*pi*t)"\nangle = "t"\nstream = 0\nperiod = 0.25\n'
+        path = FOLDER / "moving.h5"
+        result = run("flow", write("moving.toml", moving + motion), "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("the body moves; fields are those of t = 1.5", result.stdout)
+        self.assertFalse((FOLDER / "moving.h5.checkpoint").exists())
+        with h5py.File(path) as file:
+            t, x, drag = file["loads/t"][:], file["loads/x"][:], file["loads/drag"][:]
+            self.assertLess(numpy.abs(x + 0.5 * numpy.sin(2 * numpy.pi * t)).max(), 1e-12)
+            self.assertLess(numpy.abs(file["loads/angle"][:] - t).max(), 1e-12)
+            # The body's grey is where the path ends: at the middle again.
+            open_cells, places = file["body/open"][:], file["axes/x"][:]
+            self.assertAlmostEqual(((1 - open_cells).sum(axis=0) * places).sum() / (1 - open_cells).sum(), x[-1], delta=0.03)
+            # Drag and inertia hold it back.
+            velocity = -numpy.pi * numpy.cos(2 * numpy.pi * t)
+            self.assertLess((drag * velocity).sum(), 0)
+        told = json.loads(run("info", path, "--json").stdout)
+        self.assertTrue(told["moving"])
+        self.assertLess(told["checks"]["force_disagreement"], 1e-10)
+        self.check_error(run("flow", write("far.toml", moving + motion.replace("-0.5", "3")), "-o", FOLDER / "far.h5"), 2, "of a border at t = ")
+        self.assertFalse((FOLDER / "far.h5").exists())
+        for line, *words in [('x = "-0.5*sn(t)"', "x", "sn"), ("", "has no path"), ('x = "t"\nstream = -1', "stream", "is -1"),
+                             ('x = "t"\nperiod = 0', "period", "is 0"), ('x = "t"\nz = "t"', "z"), ('x = "1 [m]"', "without a unit")]:
+            self.check_error(run("flow", write("bad.toml", moving + "[motion]\n" + line), "-o", FOLDER / "bad.h5"), 3, *words)
+        self.check_error(run("flow", write("bad.toml", moving.replace("max_time", 'end = "mean"\nmax_time') + motion), "-o", FOLDER / "bad.h5"), 3, "end")
+
     def test_a_mean_that_is_not_reached_is_marked_and_has_exit_code_4(self):
         plan = write("short.toml", PLAN.replace("max_time = 80", "max_time = 1"))
         result = run("flow", plan, "-o", FOLDER / "short.h5")
@@ -190,6 +218,9 @@ relative = 0.05
         built = json.loads(result.stdout)
         self.assertEqual((built["schema"], built["met"]), ("samara-flow-book/1", True))
         self.assertEqual(set(built["discretisation"]), {output["name"] for output in built["certificate"]["outputs"]})
+        # What the grid is worth stands in the file, apart from the certificate.
+        said = json.loads(run("info", path, "--json").stdout)["build"]["message"]
+        self.assertIn(f"C_D by {built['discretisation']['C_D']:.3g}", said)
         asked = run("query", path, "--set", "log10_reynolds=1.55").stdout.splitlines()
         drag = float(dict(zip(asked[0].split(","), asked[1].split(",")))["C_D[1]"])
         single = FOLDER / "single.h5"

@@ -65,7 +65,8 @@ TEST_CASE("a stream without a body stays uniform", "[flow]") {
   }
 }
 
-TEST_CASE("the channel with a cylinder converges to the published drag and lift at first order", "[flow]") {
+TEST_CASE("the channel with a cylinder has the published drag and lift, from ten cells across it on",
+          "[flow]") {
   // DFG 2D-1, FeatFlow: C_D 5.57953523384, C_L 0.010618948146.
   const auto coefficients = [](int n) {
     FlowMarch march(dfg_channel(n, 20.0));
@@ -75,8 +76,8 @@ TEST_CASE("the channel with a cylinder converges to the published drag and lift 
   };
   const Eigen::Vector3d at_10 = coefficients(10), at_20 = coefficients(20);
   INFO("C_D " << at_10.x() << ", " << at_20.x() << "; C_L " << at_10.y() << ", " << at_20.y());
-  CHECK(std::abs(at_20.x() - 5.5795) < 0.05 * 5.5795);
-  // Extrapolated with an error that falls as the cells do.
-  CHECK(2.0 * at_20.x() - at_10.x() == Approx(5.5795).epsilon(0.01));
+  // Velocities beside the body that diffused over whole cells would give 7.4 % and 3.6 % less.
+  CHECK(at_10.x() == Approx(5.5795).epsilon(0.005));
+  CHECK(at_20.x() == Approx(5.5795).epsilon(0.004));
   CHECK(std::abs(at_20.y() - 0.0106) < 0.005);
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "samara/flow/march/flow_march.h"
 
 /// Flows that several tests march.
@@ -175,6 +177,46 @@ inline void start_channel(FlowMarch& march) {
   march.set_velocity([&](const Eigen::Vector3d& x) {
     return Eigen::Vector3d(march.setup().borders.side[0].profile(x), 0.0, 0.0);
   });
+}
+
+/// F = -1/2 C_D |v| v - pi/4 C_A dv/dt of a circle of diameter 1 (J. Morison et al., J. Petroleum Tech. 2 (1950) 149).
+struct MorisonFit {
+  double drag = 0.0, added_mass = 0.0;
+};
+
+/// By least squares over the last of some periods of a circle that moves as x = -KC/(2 pi) sin(2 pi t/KC), KC = 5, in fluid
+/// at rest at Re 100, with n cells to its diameter and borders `side` diameters from the middle.
+inline MorisonFit oscillating_circle(int n, double side, int periods) {
+  const double period = 5.0, turn = 2.0 * kPi / period;
+  const auto path = [turn](double t) {
+    BodyPose pose;
+    pose.place.x() = -std::sin(turn * t) / turn;
+    pose.velocity.x() = -std::cos(turn * t);
+    pose.acceleration.x() = turn * std::sin(turn * t);
+    return pose;
+  };
+  const int cells = 2 * static_cast<int>(std::lround(side * n));
+  FlowMarch march({.grid = MacGrid(2, {cells, cells, 1}, 1.0 / n, {-side, -side, 0.0}),
+                   .borders = stream(0.0),
+                   .body = PlacedShape(ellipse_section(0.5, 0.5), Eigen::Vector3d::Zero(), 0.0),
+                   .path = path,
+                   .viscosity = 0.01,
+                   .scheme = AdvectionScheme::central});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.0, 0.0, 0.0); });
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  while (march.state().time < periods * period) {
+    const double step = march.advance().step;
+    if (march.state().time < (periods - 1) * period) continue;
+    // The force of a step is that of its middle.
+    const BodyPose pose = path(march.state().time - 0.5 * step);
+    const double v = pose.velocity.x();
+    const Eigen::Vector2d parts(-0.5 * std::abs(v) * v, -0.25 * kPi * pose.acceleration.x());
+    normal += step * parts * parts.transpose();
+    right += step * march.loads().force.x() * parts;
+  }
+  const Eigen::Vector2d found = normal.inverse() * right;
+  return {found.x(), found.y()};
 }
 
 }  // namespace flow_cases

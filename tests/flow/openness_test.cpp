@@ -41,6 +41,14 @@ TEST_CASE("open cells leave out the area of the body", "[flow]") {
   CHECK(area(polygon_section(corners), 0.4) == Approx(area(rectangle_section(0.4, 0.2), 0.4)).margin(1e-12));
 }
 
+TEST_CASE("a polygon whose edges cross is refused", "[flow]") {
+  Eigen::Matrix2Xd corners(2, 4);
+  corners << -0.5, 0.5, 0.4, -0.5, -0.2, -0.2, 0.2, 0.3;
+  CHECK_NOTHROW(polygon_section(corners));
+  corners.col(2).swap(corners.col(3));
+  CHECK_THROWS_WITH(polygon_section(corners), Catch::Contains("the edges from corners 2 and 4 cross"));
+}
+
 TEST_CASE("distances from an ellipsoid are those to the nearest of many points on it", "[flow]") {
   const Eigen::Vector3d axes(1.0, 0.4, 0.2);
   const Shape shape = ellipsoid_shape(axes);

@@ -1,0 +1,339 @@
+#include <cmath>
+#include <filesystem>
+
+#include <catch2/catch.hpp>
+
+#include "flow_cases.h"
+#include "samara/base/errors.h"
+#include "samara/flow/march/solve_flow.h"
+#include "samara/models/equations/time_function.h"
+
+using namespace samara::flow;
+using namespace flow_cases;
+
+namespace {
+
+/// From a place on, at a constant velocity.
+BodyPath steady_path(const Eigen::Vector3d& from, const Eigen::Vector3d& velocity) {
+  return [=](double t) {
+    BodyPose pose;
+    pose.place = from + t * velocity;
+    pose.velocity = velocity;
+    return pose;
+  };
+}
+
+/// To and fro along x and y, turning.
+BodyPose swinging(double t) {
+  BodyPose pose;
+  pose.place = Eigen::Vector3d(2.5 + 0.2 * std::sin(2.0 * t), 2.0 + 0.1 * t * t, 0.0);
+  pose.velocity = Eigen::Vector3d(0.4 * std::cos(2.0 * t), 0.2 * t, 0.0);
+  pose.acceleration = Eigen::Vector3d(-0.8 * std::sin(2.0 * t), 0.2, 0.0);
+  pose.angle = 0.6 + 0.5 * std::sin(3.0 * t);
+  pose.angular_rate = 1.5 * std::cos(3.0 * t);
+  pose.angular_acceleration = -4.5 * std::sin(3.0 * t);
+  return pose;
+}
+
+/// Mean drag of a circle at Re 40 from time 1 to 2 after it was set off, in a stream or through fluid at rest.
+double early_drag(int n, bool moved) {
+  FlowSetup setup{.grid = MacGrid(2, {10 * n, 8 * n, 1}, 1.0 / n, {-5.0, -4.0, 0.0}),
+                  .borders = stream(moved ? 0.0 : 1.0),
+                  .body = PlacedShape(ellipse_section(0.5, 0.5), {0.0, 0.03, 0.0}, 0.0),
+                  .viscosity = 1.0 / 40,
+                  .scheme = AdvectionScheme::central};
+  if (moved) setup.path = steady_path({1.0, 0.03, 0.0}, {-1.0, 0.0, 0.0});
+  FlowMarch march(setup);
+  march.set_velocity([&](const Eigen::Vector3d&) { return Eigen::Vector3d(moved ? 0.0 : 1.0, 0.0, 0.0); });
+  double impulse = 0.0, time = 0.0;
+  while (march.state().time < 2.0) {
+    const double step = march.advance().step;
+    if (march.state().time < 1.0) continue;
+    impulse += step * 2.0 * march.loads().force.x();
+    time += step;
+  }
+  return impulse / time;
+}
+
+FlowCase moving_circle() {
+  FlowCase flow;
+  flow.shape = ellipse_section(0.5, 0.5);
+  flow.reynolds = 100;
+  flow.turbulence = TurbulenceModel::none;
+  flow.extent = {2.0, 2.0, 2.0};
+  flow.cells_per_length = 8;
+  flow.stream = 0.0;
+  flow.motion = BodyMotion{.path =
+                               [](double t) {
+                                 BodyPose pose;
+                                 pose.place.x() = -0.5 * std::sin(t);
+                                 pose.velocity.x() = -0.5 * std::cos(t);
+                                 pose.acceleration.x() = 0.5 * std::sin(t);
+                                 return pose;
+                               },
+                           .text = "x = -0.5*sin(t)",
+                           .period = 0.25};
+  return flow;
+}
+
+}  // namespace
+
+TEST_CASE("a body that goes with the stream leaves it uniform and feels nothing", "[flow]") {
+  FlowMarch march({.grid = MacGrid(2, {80, 64, 1}, 0.1, {-4.0, -3.2, 0.0}),
+                   .borders = stream(),
+                   .body = PlacedShape(ellipse_section(0.5, 0.3), Eigen::Vector3d::Zero(), 0.4),
+                   .path =
+                       [](double t) {
+                         BodyPose pose = steady_path({-1.0, 0.02, 0.0}, {1.0, 0.0, 0.0})(t);
+                         pose.angle = 0.4;
+                         return pose;
+                       },
+                   .viscosity = 0.01});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(1.0, 0.0, 0.0); });
+  for (int s = 0; s < 30; ++s) {
+    march.advance();
+    CHECK(march.loads().force.norm() < 1e-6);
+  }
+  // Six cells on.
+  CHECK(march.pose().place.x() > -0.4);
+  CHECK(march.divergence() < 1e-7);
+  for (int j = 0; j < 64; ++j) {
+    for (int i = 0; i <= 80; ++i)
+      CHECK(march.state().u[0][static_cast<std::size_t>(march.grid().at(i, j))] == Approx(1.0).margin(1e-6));
+  }
+}
+
+TEST_CASE("a body moved through fluid at rest has the drag of one held in a stream, to one per cent",
+          "[flow]") {
+  const double coarse = std::abs(early_drag(8, true) / early_drag(8, false) - 1.0);
+  const double fine = std::abs(early_drag(16, true) / early_drag(16, false) - 1.0);
+  INFO("they differ by " << coarse << " and " << fine);
+  CHECK(coarse < 0.012);
+  CHECK(fine < 0.012);
+}
+
+TEST_CASE("a body set off in fluid at rest is held back by its added mass", "[flow]") {
+  // Ellipses, of a potential flow: pi b^2 along the axis a, pi a^2 along b (H. Lamb).
+  const auto added_mass = [](const Eigen::Vector3d& along) {
+    const double acceleration = 1.0;
+    FlowMarch march({.grid = MacGrid(2, {192, 192, 1}, 1.0 / 24, {-4.0, -4.0, 0.0}),
+                     .borders = stream(0.0),
+                     .body = PlacedShape(ellipse_section(0.5, 0.25), Eigen::Vector3d::Zero(), 0.0),
+                     .path =
+                         [=](double t) {
+                           BodyPose pose;
+                           pose.place = 0.5 * acceleration * t * t * along;
+                           pose.velocity = acceleration * t * along;
+                           pose.acceleration = acceleration * along;
+                           return pose;
+                         },
+                     .viscosity = 1e-5});
+    march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.0, 0.0, 0.0); });
+    double sum = 0.0;
+    const int steps = 10;
+    for (int s = 0; s < steps; ++s) {
+      march.advance(0.005);
+      sum -= march.loads().force.dot(along) / acceleration / steps;
+    }
+    return sum;
+  };
+  CHECK(added_mass({1.0, 0.0, 0.0}) == Approx(kPi * 0.0625).epsilon(0.05));
+  CHECK(added_mass({0.0, 1.0, 0.0}) == Approx(kPi * 0.25).epsilon(0.05));
+}
+
+TEST_CASE("what a body that swings and turns takes is what a box around it loses, to rounding", "[flow]") {
+  const bool turbulent = GENERATE(false, true);
+  const bool space = GENERATE(false, true);
+  const MacGrid grid = space ? MacGrid(3, {40, 32, 24}, 0.125, Eigen::Vector3d::Zero())
+                             : MacGrid(2, {96, 72, 1}, 0.0625, Eigen::Vector3d::Zero());
+  FlowMarch march({.grid = grid,
+                   .borders = stream(0.5),
+                   .body = PlacedShape(space ? box_shape({1.0, 0.3, 0.7}) : rectangle_section(1.0, 0.3),
+                                       Eigen::Vector3d::Zero(), 0.0),
+                   .path =
+                       [&](double t) {
+                         BodyPose pose = swinging(t);
+                         if (space) pose.place.z() = 1.53;
+                         return pose;
+                       },
+                   .viscosity = turbulent ? 5e-5 : 5e-3,
+                   .turbulence = turbulent ? TurbulenceModel::k_epsilon : TurbulenceModel::none});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.5, 0.0, 0.0); });
+  march.set_turbulence(6e-4, 3.4e-5);
+  double largest = 0.0;
+  for (int s = 0; s < 12; ++s) {
+    CHECK(march.advance().finite);
+    const Eigen::Vector3d surface = march.loads().force;
+    largest = std::max(largest, surface.norm());
+    for (const int margin : {2, 5}) CHECK((march.force_by_box(margin) - surface).norm() < 1e-10 * largest);
+    if (turbulent) CHECK(march.turbulence()->budget().defect() < 1e-10);
+  }
+  CHECK(march.divergence() < 1e-7);
+}
+
+TEST_CASE("over a way of many cells, a body takes the momentum that the fluid around it loses", "[flow]") {
+  // Not by volumes that grow with what flows in, as in each step, but by those that are there at both ends.
+  const int n = 16;
+  FlowMarch march({.grid = MacGrid(2, {6 * n, 5 * n, 1}, 1.0 / n, {-3.0, -2.5, 0.0}),
+                   .borders = stream(0.0),
+                   .body = PlacedShape(ellipse_section(0.5, 0.35), Eigen::Vector3d::Zero(), 0.0),
+                   .path = steady_path({1.2, 0.02, 0.0}, {-1.0, 0.0, 0.0}),
+                   .viscosity = 0.02});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.0, 0.0, 0.0); });
+  const MacGrid& grid = march.grid();
+  // Of the fluid, with what is left open beside closed faces, which goes with the body.
+  const auto momentum = [&] {
+    double sum = 0.0;
+    const Openness& open = march.openness();
+    for (int j = 0; j < grid.cells[1]; ++j) {
+      for (int i = 1; i < grid.cells[0]; ++i) {
+        const auto c = static_cast<std::size_t>(grid.at(i, j));
+        sum += 0.5 * (open.cell[c - 1] + open.cell[c]) * march.state().u[0][c];
+      }
+    }
+    return sum * grid.spacing * grid.spacing;
+  };
+  while (march.state().time < 0.3) march.advance();
+  double impulse = 0.0, entered = 0.0;
+  const double before = momentum();
+  while (march.state().time < 2.0) {
+    const FlowState& state = march.state();
+    const double step = march.advance().step;
+    impulse += step * march.loads().force.x();
+    // At the borders nothing moves yet: all that enters there is pressure.
+    for (int j = 0; j < grid.cells[1]; ++j) {
+      const auto left = static_cast<std::size_t>(grid.at(0, j)),
+                 right = static_cast<std::size_t>(grid.at(grid.cells[0] - 1, j));
+      entered += step * grid.spacing * (state.p[left] - state.p[right]);
+    }
+  }
+  const double lost = entered - (momentum() - before);
+  INFO("impulse " << impulse << ", lost " << lost);
+  CHECK(impulse > 0.5);
+  CHECK(lost == Approx(impulse).epsilon(0.03));
+}
+
+TEST_CASE("openness that follows a body is that which is measured anew", "[flow]") {
+  const MacGrid grid(2, {60, 50, 1}, 0.1, Eigen::Vector3d::Zero());
+  const Borders borders = stream();
+  PlacedShape body(rectangle_section(1.0, 0.4), {2.0, 2.0, 0.0}, 0.3);
+  Openness moved = measure_openness(grid, borders, body);
+  body.move_to({2.73, 2.41, 0.0}, 0.9);
+  measure_openness(grid, borders, body, moved);
+  const Openness fresh = measure_openness(grid, borders, body);
+  CHECK(moved.cell == fresh.cell);
+  CHECK(moved.inverse_cell == fresh.inverse_cell);
+  CHECK(moved.closed_cells == fresh.closed_cells);
+  for (std::size_t d = 0; d < 2; ++d) {
+    CHECK(moved.face[d] == fresh.face[d]);
+    CHECK(moved.inverse_volume[d] == fresh.inverse_volume[d]);
+    CHECK(moved.closed_faces[d] == fresh.closed_faces[d]);
+    CHECK(moved.wall_faces[d].size() == fresh.wall_faces[d].size());
+    for (std::size_t e = 0; e < 2; ++e) CHECK(moved.conduction[d][e] == fresh.conduction[d][e]);
+  }
+}
+
+TEST_CASE("a run with a moving body that was interrupted goes on to the same bits", "[flow]") {
+  const std::filesystem::path path = std::filesystem::temp_directory_path() / "samara_moving_test.h5";
+  FlowOptions options;
+  options.end = FlowEnd::time;
+  options.max_time = 0.8;
+  FlowCase flow = moving_circle();
+  const FlowResult whole = solve_flow(flow, options);
+  CHECK(whole.status == FlowStatus::ended);
+  // One period fits into the second half.
+  CHECK(std::isinf(whole.drag.half_width));
+  CHECK(whole.checks.force_disagreement < 1e-10);
+  options.checkpoint = path;
+  options.progress = [](const samara::Progress& progress) { return progress.fraction < 0.5; };
+  CHECK(solve_flow(flow, options).status == FlowStatus::cancelled);
+  options.progress = {};
+  options.resume = true;
+  FlowCase other = flow;
+  other.motion->text = "x = -0.4*sin(t)";
+  CHECK_THROWS_WITH(solve_flow(other, options), Catch::Contains("checkpoint of another case"));
+  const FlowResult rest = solve_flow(flow, options);
+  CHECK(rest.steps == whole.steps);
+  CHECK(rest.velocity == whole.velocity);
+  CHECK(rest.drag.value == whole.drag.value);
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("paths that no body can follow on the grid are refused", "[flow]") {
+  FlowOptions options;
+  options.end = FlowEnd::time;
+  options.max_time = 1.0;
+  FlowCase flow = moving_circle();
+  const auto with_place = [&](const std::function<double(double)>& x) {
+    flow.motion->path = [x](double t) {
+      BodyPose pose;
+      pose.place.x() = x(t);
+      return pose;
+    };
+  };
+  with_place([](double t) { return 4.0 * t; });
+  CHECK_THROWS_WITH(solve_flow(flow, options), Catch::Contains("of a border at t = 0.2") &&
+                                                   Catch::Contains("expected at least 0.5, four cells"));
+  with_place([](double t) { return t < 0.5 ? 0.0 : std::nan(""); });
+  CHECK_THROWS_WITH(solve_flow(flow, options),
+                    Catch::Contains("the path of the body is not finite at t = 0.5"));
+  with_place([](double t) { return t < 0.5 ? 0.0 : 0.4; });
+  CHECK_THROWS_WITH(solve_flow(flow, options), Catch::Contains("the body leaps by 0.4 at t = 0.5"));
+  flow = moving_circle();
+  options.end = FlowEnd::mean;
+  CHECK_THROWS_WITH(solve_flow(flow, options), Catch::Contains("expected the end \"time\""));
+  options.end = FlowEnd::time;
+  flow.shape = baffle_section(1.0);
+  CHECK_THROWS_WITH(solve_flow(flow, options), Catch::Contains("a baffle cannot move"));
+  flow = moving_circle();
+  flow.motion.reset();
+  CHECK_THROWS_WITH(solve_flow(flow, options),
+                    Catch::Contains("the stream of a held body is 0 U, expected 1"));
+  flow.stream = 1.0;
+  CHECK_THROWS_WITH(solve_flow(flow, options), Catch::Contains("this one is held"));
+}
+
+TEST_CASE("the part of a cube that a plane leaves open is that of many points", "[flow]") {
+  for (const int dimensions : {2, 3}) {
+    for (const double distance : {-0.55, -0.2, 0.0, 0.1, 0.45}) {
+      Eigen::Vector3d normal(0.8, -0.5, dimensions == 3 ? 0.33 : 0.0);
+      normal.normalize();
+      const int n = dimensions == 3 ? 60 : 400;
+      double open = 0.0, sum = 0.0, count = 0.0;
+      for (int k = 0; k < (dimensions == 3 ? n : 1); ++k) {
+        for (int j = 0; j < n; ++j) {
+          for (int i = 0; i < n; ++i) {
+            const Eigen::Vector3d x((i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5,
+                                    dimensions == 3 ? (k + 0.5) / n - 0.5 : 0.0);
+            const double d = distance + normal.dot(x);
+            count += 1.0;
+            if (d <= 0.0) continue;
+            open += 1.0;
+            sum += d;
+          }
+        }
+      }
+      const OpenPart part = measure_open_part(distance, normal, dimensions);
+      INFO(dimensions << " dimensions, " << distance);
+      CHECK(part.volume == Approx(open / count).margin(2e-3));
+      CHECK(part.mean_distance == Approx(sum / std::max(open, 1.0)).margin(5e-3));
+    }
+  }
+  // Along a direction: exact.
+  const OpenPart part = measure_open_part(0.2, Eigen::Vector3d::UnitY(), 2);
+  CHECK(part.volume == Approx(0.7).margin(1e-6));
+  CHECK(part.mean_distance == Approx(0.35).margin(1e-6));
+}
+
+TEST_CASE("a function of time has the rates of its differences, and no units", "[flow]") {
+  const samara::models::TimeFunction f("0.3*sin(2*pi*t)*exp(-t/4) + t^2/5");
+  constexpr double kStep = 1e-4;
+  for (const double t : {0.0, 0.4, 1.7}) {
+    const double low = f.at(t - kStep).value, middle = f.at(t).value, high = f.at(t + kStep).value;
+    CHECK(f.at(t).rate == Approx((high - low) / (2.0 * kStep)).margin(1e-6));
+    CHECK(f.at(t).second_rate == Approx((high - 2.0 * middle + low) / (kStep * kStep)).margin(1e-5));
+  }
+  CHECK_THROWS_WITH(samara::models::TimeFunction("t*1 [m]"),
+                    Catch::Contains("expected a number without a unit"));
+  CHECK_THROWS_AS(samara::models::TimeFunction("sn(t)"), samara::ArgumentError);
+}
