@@ -10,7 +10,7 @@ import platform
 import subprocess
 import sys
 
-NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "realise", "wind", "query", "identification", "prediction", "motion", "doors"]
+NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "flow", "realise", "wind", "query", "identification", "prediction", "motion", "doors"]
 # Scripts, which run only when they are asked for: the house is built twice from nothing, and Python or a browser may not be there.
 SCRIPTS = ["house", "python", "explorer", "command"]
 

@@ -1,10 +1,14 @@
 // What the pressure and a step cost.
 #include <cmath>
+#include <stdexcept>
 #include <string>
 
 #include <tbb/task_arena.h>
 
 #include "cases.h"
+#ifdef SAMARA_BENCHMARK_HYPRE
+#include "hypre_peer.h"
+#endif
 #include "samara/base/streams.h"
 #include "samara/pgd/linear/sparse_solver.h"
 #include "tests/flow/flow_cases.h"
@@ -39,13 +43,44 @@ struct PressureProblem {
   }
 };
 
+#ifdef SAMARA_BENCHMARK_HYPRE
+/// To the same largest residual, 1e-8. hypre runs on one process; ours on two threads, and on one.
+void compare_with_hypre(const std::string& name, const PressureProblem& problem, double ours, int repeats) {
+  HyprePoisson hypre(problem.matrix);
+  double tolerance = 1e-8;
+  int iterations = hypre.solve(problem.source, tolerance);
+  while (hypre.largest_residual(problem.source) > 1e-8 && tolerance > 1e-13) {
+    tolerance *= 0.5;
+    iterations = hypre.solve(problem.source, tolerance);
+  }
+  if (!(hypre.largest_residual(problem.source) <= 1e-8))
+    throw std::runtime_error("hypre does not solve the same equation");
+  const double theirs = time_of([&] { hypre.solve(problem.source, tolerance); }, repeats);
+  print({kFlow, name, "time", ours, "s", "hypre PCG and PFMG, one process", theirs / ours});
+  double alone = 0.0;
+  tbb::task_arena(1).execute([&] {
+    const auto cycles = make_pressure_solver(PressureSolverKind::multigrid, problem.matrix);
+    problem.solve(*cycles);
+    alone = time_of([&] { problem.solve(*cycles); }, repeats);
+  });
+  print({kFlow, name, "time_one_thread", alone, "s", "hypre PCG and PFMG, one process", theirs / alone});
+  print({kFlow, name, "iterations_hypre", static_cast<double>(iterations)});
+}
+#endif
+
 void run_poisson(const std::string& name, const MacGrid& grid, const Options& options) {
   const PressureProblem problem(grid);
   const auto cycles = make_pressure_solver(PressureSolverKind::multigrid, problem.matrix);
   const int repeats = options.quick ? 3 : 9;
   print({kFlow, name, "iterations", static_cast<double>(problem.solve(*cycles).iterations)});
   const double ours = time_of([&] { problem.solve(*cycles); }, repeats);
-  if (grid.dimensions == 3) return print({kFlow, name, "time", ours, "s"});
+  if (grid.dimensions == 3) {
+#ifdef SAMARA_BENCHMARK_HYPRE
+    return compare_with_hypre(name, problem, ours, repeats);
+#else
+    return print({kFlow, name, "time", ours, "s"});
+#endif
+  }
   const auto factors = make_pressure_solver(PressureSolverKind::direct, problem.matrix);
   const double theirs = time_of([&] { problem.solve(*factors); }, repeats);
   const bool cholmod = pgd::is_available(pgd::SparseSolverKind::cholmod);
