@@ -209,7 +209,7 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
 
   /// Drag, side force, lift, moment and damping, from `first` on.
   template <class S>
-  static void aerodynamic_loads(const Pose<S>& pose, const S* p, Load<S>* first) {
+  static void aerodynamic_loads(const Pose<S>& pose, const Vector3<S>& w_r, const S* p, Load<S>* first) {
     using std::sqrt;
     const FlowAxes<S> flow(pose.u, p[kSpeedFloor]);
     const S &alpha = flow.alpha, &beta = flow.beta;
@@ -228,7 +228,7 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
     first[3].torque =
         q_lift * flow.to_body({coefficient(kCmx, alpha, beta), coefficient(kCmy, alpha, beta_2 * beta_2),
                                coefficient(kCmz, alpha, beta)});
-    first[4].torque = flow.to_body(diagonal_times(vector3(p + kDampingRate), pose.w));
+    first[4].torque = flow.to_body(diagonal_times(vector3(p + kDampingRate), w_r));
   }
 
   template <class S>
@@ -247,14 +247,40 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
   }
 
   template <class S>
-  static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const SpatialInertia<S>& inertia,
-                                           const S* p) {
+  static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const Vector3<S>& w_r,
+                                           const SpatialInertia<S>& inertia, const S* p) {
     std::array<Load<S>, kTerms> all;
     all[kInertial] = gyroscopic_load(inertia.momentum(pose.u, pose.w), pose.u, pose.w);
-    aerodynamic_loads(pose, p, &all[kDrag]);
+    aerodynamic_loads(pose, w_r, p, &all[kDrag]);
     all[kThrust] = thrust(p);
     all[kGravity] = weights(pose, p);
     return all;
+  }
+
+  template <class S>
+  static PlacedMasses<S> masses(const S* p) {
+    // Buoyancy acts at the origin.
+    return {p[kMass] + p[kOffsetMass],
+            p[kDisplacedMass],
+            p[kMass] * vector3(p + kMassCentre) + p[kOffsetMass] * vector3(p + kOffset),
+            {S(0.0), S(0.0), S(0.0)}};
+  }
+
+  static void say_gusts(ModelInfo& info) {
+    info.title = "Body with polynomial coefficients and two thrusts in a fluid that changes in time";
+    std::string& text = info.equations;
+    replace_in(text, "P x u + T", "P x u_r + T");
+    replace_in(text, "(M_body + K) (u, w)", "(M_body + K) (u_r, w)");
+    replace_in(text, "R^T (0, 0, -g);  T =",
+               "R^T (0, 0, -g) + displaced_mass R^T a_f - (mass + offset_mass) R^T dw_air/dt;  T =");
+    replace_in(text, "(mass r_c + offset_mass offset) x R^T (0, 0, -g)",
+               "(mass r_c + offset_mass offset) x R^T ((0, 0, -g) - dw_air/dt)");
+    replace_in(text, "(K1 w_x, K2 w_y, K3 w_z)", "(K1 w_rx, K2 w_ry, K3 w_rz)");
+    replace_in(text, "|u|", "|u_r|");
+    replace_in(text, "atan2(u_z, u_x + v)", "atan2(u_rz, u_rx + v)");
+    replace_in(text, "atan2(u_y, v)", "atan2(u_ry, v)");
+    replace_in(text, "sqrt(u_x^2 + u_z^2", "sqrt(u_rx^2 + u_rz^2");
+    text += kGustEquations;
   }
 
   template <class S>
@@ -275,6 +301,10 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
 
 std::shared_ptr<const Model> coefficient_body() {
   return std::make_shared<LawModel<CoefficientBody>>();
+}
+
+std::shared_ptr<const Model> coefficient_body_in_gusts() {
+  return std::make_shared<LawModel<SpatialBodyInGusts<CoefficientBody>>>();
 }
 
 }  // namespace samara::models::laws

@@ -132,13 +132,31 @@ struct KirchhoffBody : SpatialBody<KirchhoffBody> {
   }
 
   template <class S>
-  static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const SpatialInertia<S>& inertia,
-                                           const S* p) {
+  static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const Vector3<S>&,
+                                           const SpatialInertia<S>& inertia, const S* p) {
     Load<S> gravity =
         gravity_and_buoyancy(pose.R, p[kMass], p[kDisplacedMass], vector3(p + kBuoyancyCentre), p[kG]);
     const Vector3<S> weight = pose.R.to_body({S(0.0), S(0.0), -p[kMass] * p[kG]});
     gravity.torque = gravity.torque + cross(vector3(p + kMassCentre), weight);
     return {gyroscopic_load(inertia.momentum(pose.u, pose.w), pose.u, pose.w), gravity};
+  }
+
+  template <class S>
+  static PlacedMasses<S> masses(const S* p) {
+    return {p[kMass], p[kDisplacedMass], p[kMass] * vector3(p + kMassCentre),
+            p[kDisplacedMass] * vector3(p + kBuoyancyCentre)};
+  }
+
+  static void say_gusts(ModelInfo& info) {
+    info.title = "Rigid body of any shape in an ideal fluid that changes in time";
+    std::string& text = info.equations;
+    replace_in(text, "P x u + T", "P x u_r + T");
+    replace_in(text, "(M_body + K) (u, w)", "(M_body + K) (u_r, w)");
+    replace_in(text,
+               "R^T (0, 0, -g);  T =", "R^T (0, 0, -g) + displaced_mass R^T a_f - mass R^T dw_air/dt;  T =");
+    replace_in(text, "(mass r_c - displaced_mass r_b) x R^T (0, 0, -g)",
+               "mass r_c x R^T ((0, 0, -g) - dw_air/dt) - displaced_mass r_b x R^T ((0, 0, -g) - a_f)");
+    text += kGustEquations;
   }
 
   /// Nothing resists the motion: the size of the body is its radius of gyration, its speed that of a fall by
@@ -155,6 +173,10 @@ struct KirchhoffBody : SpatialBody<KirchhoffBody> {
 
 std::shared_ptr<const Model> kirchhoff_body() {
   return std::make_shared<LawModel<KirchhoffBody>>();
+}
+
+std::shared_ptr<const Model> kirchhoff_body_in_gusts() {
+  return std::make_shared<LawModel<SpatialBodyInGusts<KirchhoffBody>>>();
 }
 
 }  // namespace samara::models::laws

@@ -8,9 +8,10 @@
 #include "samara/models/fields/field_model.h"
 
 // The models that ship with Samara, one line each: laws/<name>.cpp or wakes/<name>.cpp defines the function <name>();
-// the plate in gusts stands beside the plate.
+// plate, coefficient_body and kirchhoff_body in gusts stand beside these.
 #define SAMARA_LAWS(LAW)         \
   LAW(coefficient_body)          \
+  LAW(coefficient_body_in_gusts) \
   LAW(constant_rate)             \
   LAW(coupled_triple)            \
   LAW(falling_plate)             \
@@ -24,6 +25,7 @@
   LAW(immersed_body_in_wind)     \
   LAW(immersed_body_with_wake)   \
   LAW(kirchhoff_body)            \
+  LAW(kirchhoff_body_in_gusts)   \
   LAW(quadratic_drag_fall)       \
   LAW(sphere_flight)             \
   LAW(sphere_flight_in_gusts)    \

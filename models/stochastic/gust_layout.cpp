@@ -1,6 +1,7 @@
 #include "samara/models/stochastic/gust_layout.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -126,6 +127,8 @@ double outline_radius(const ModelInfo& info, std::span<const double> parameters)
   if (parameter_index(info, "a") >= 0 && parameter_index(info, "b") >= 0)
     return std::sqrt(value("a") * value("b"));
   if (parameter_index(info, "semi_chord") >= 0) return value("semi_chord");
+  // Of a body by coefficients its reference area stands for its outline.
+  if (parameter_index(info, "area") >= 0) return std::sqrt(value("area") / std::numbers::pi);
   return 0.5 * value("diameter");
 }
 

@@ -11,8 +11,9 @@
 
 namespace samara::models {
 
-/// Terms of a law that do not take up a gust: weight, the pressure of a fluid that accelerates, rates of axes.
-inline constexpr std::string_view kNotDrag[] = {"inertia", "gravity and buoyancy", "ambient acceleration"};
+/// Terms of a law that do not take up a gust: weight, the pressure of a fluid that accelerates, rates of axes, propellers.
+inline constexpr std::string_view kNotDrag[] = {"inertia", "gravity and buoyancy", "ambient acceleration",
+                                                "thrust"};
 
 /// How gusts reach a model: by parameters of these names, and states of these kinds. A law of one's own that has them
 /// flies through gusts like those of Samara.
@@ -66,7 +67,7 @@ class GustLayout {
 };
 
 /// Radius of the disc of the area of a body's outline [m], from the parameters that say it (a and b, semi_chord,
-/// diameter); 0 where none does.
+/// the reference area, diameter); 0 where none does.
 double outline_radius(const ModelInfo& info, std::span<const double> parameters);
 
 template <class State>

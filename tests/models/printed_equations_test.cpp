@@ -173,6 +173,11 @@ Words words_of(const std::string& model) {
   }
   if (model == "falling_plate_in_gusts" || model == "sphere_flight_in_gusts")
     return {{}, {{"t", time_itself}}};
+  if (model == "coefficient_body_in_gusts" || model == "kirchhoff_body_in_gusts") {
+    Words words = words_of(model.substr(0, model.find("_in_gusts")));
+    words.supplied["t"] = time_itself;
+    return words;
+  }
   if (model == "immersed_body_with_wake") return {{}, kEllipsoid};
   if (model == "kirchhoff_body") return {{}, {{"R", turn}, {"K", symmetric_K}, {"M_body", kirchhoff_mass}}};
   if (model == "coefficient_body") {

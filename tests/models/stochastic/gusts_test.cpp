@@ -121,6 +121,62 @@ TEST_CASE("a body in a ramp of gusts moves as in a flow that accelerates") {
   CHECK((in_flow - in_gusts).cwiseAbs().maxCoeff() < 1e-8);
 }
 
+TEST_CASE(
+    "in a fluid that accelerates upward bodies move relative to it as in a still one with more weight") {
+  // An ellipsoid with its masses off the origin, and a blimp with a gondola; both turn.
+  const Parameters any = {{"mass", 0.3},   {"displaced_mass", 0.2}, {"qw(0)", 0.2},  {"qx(0)", 0.9},
+                          {"qy(0)", -0.3}, {"qz(0)", 0.1},          {"ux(0)", 2.0},  {"uy(0)", -0.3},
+                          {"uz(0)", 0.4},  {"wx(0)", 0.5},          {"wy(0)", -1.0}, {"wz(0)", 0.8}};
+  const Parameters kirchhoff = joined(any, {{"I_xx", 0.02},
+                                            {"I_yy", 0.03},
+                                            {"I_zz", 0.025},
+                                            {"I_xy", 0.002},
+                                            {"r_cx", 0.05},
+                                            {"r_cy", -0.03},
+                                            {"r_cz", 0.04},
+                                            {"r_bx", -0.02},
+                                            {"r_bz", 0.06},
+                                            {"K_11", 0.1},
+                                            {"K_22", 0.2},
+                                            {"K_33", 0.3},
+                                            {"K_12", 0.02},
+                                            {"K_15", 0.01},
+                                            {"K_44", 0.004},
+                                            {"K_55", 0.006},
+                                            {"K_66", 0.005}});
+  const Parameters blimp =
+      joined(any, {{"I_x", 0.03},  {"I_y", 0.05},         {"I_z", 0.04},       {"r_cx", 0.02},
+                   {"r_cz", 0.03}, {"offset_mass", 0.05}, {"offset_x", 0.1},   {"offset_z", 0.2},
+                   {"area", 0.3},  {"M_x", 0.05},         {"M_y", 0.15},       {"M_z", 0.2},
+                   {"J_y", 0.01},  {"thrust_left", 0.1},  {"thrust_arm", 0.1}, {"Cd0", 0.2},
+                   {"Cda", 1.0},   {"Cla", 1.5},          {"Csb", -1.0},       {"Cmya", -0.1},
+                   {"Cmzb", 0.1},  {"K1", -0.01},         {"K2", -0.02},       {"K3", -0.015}});
+  const Eigen::Vector3d stream(1.5, -0.7, 0.4), up(0.0, 0.0, 2.5);
+  const std::vector<double> times = {0.15, 0.5};
+  for (const auto& [name, values] :
+       {std::pair{"kirchhoff_body", kirchhoff}, std::pair{"coefficient_body", blimp}}) {
+    INFO(name);
+    const Eigen::MatrixXd still = states_of(name, joined(values, {{"g", 9.81 + up.z()}}), times);
+    // The same velocity relative to the fluid at the start.
+    const auto turn = [](const auto& q) { return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(); };
+    const Eigen::Vector3d told = turn(std::array{0.2, 0.9, -0.3, 0.1}).conjugate() * stream;
+    Parameters moved = joined(values, ramp(stream, up, up));
+    const char* const velocities[] = {"ux(0)", "uy(0)", "uz(0)"};
+    for (int i = 0; i < 3; ++i) moved[velocities[i]] += told[i];
+    const Eigen::MatrixXd carried = states_of(std::string(name) + "_in_gusts", moved, times);
+    for (Eigen::Index k = 0; k < still.rows(); ++k) {
+      const double t = times[static_cast<std::size_t>(k)];
+      const Eigen::Vector3d way = stream * t + 0.5 * up * t * t;
+      CHECK((carried.row(k).head<3>() - still.row(k).head<3>() - way.transpose()).norm() < 1e-9);
+      CHECK((carried.row(k).segment<4>(3) - still.row(k).segment<4>(3)).norm() < 1e-9);
+      CHECK((carried.row(k).tail<3>() - still.row(k).tail<3>()).norm() < 1e-8);
+      const Eigen::Vector4d q = carried.row(k).segment<4>(3);
+      const Eigen::Vector3d air = turn(q).conjugate() * Eigen::Vector3d(stream + t * up);
+      CHECK((carried.row(k).segment<3>(7) - still.row(k).segment<3>(7) - air.transpose()).norm() < 1e-8);
+    }
+  }
+}
+
 TEST_CASE("in a mean flow with a gradient the ramps lead to the motion in that flow, to second order") {
   // w_air = w_0 + A x + b t, without any turbulence.
   Eigen::Matrix3d A;
