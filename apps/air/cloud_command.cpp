@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "air/air_sources.h"
 #include "air/cloud_animation.h"
@@ -15,8 +18,10 @@
 #include "inputs/assignments.h"
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
+#include "samara/io/text_file.h"
 #include "samara/models/stochastic/gust_layout.h"
 #include "samara/models/stochastic/realisations.h"
 #include "terminal/interrupts.h"
@@ -49,6 +54,7 @@ std::string stray_word(const CloudWords& words, bool has_wind) {
   if (!words.speed.empty()) return "--speed";
   if (!words.length.empty()) return "--length";
   if (!words.place.empty()) return "--flow-place";
+  if (!words.flow_at.empty()) return "--flow-set";
   if (!words.C_0.empty()) return "--C0";
   if (!words.radius.empty()) return "--body-radius";
   if (words.rotation) return "--rotation";
@@ -160,6 +166,89 @@ void warn_of_steps(const models::Ensemble& cloud, double step) {
   }
 }
 
+/// All that the flights depend on: those of a checkpoint by other words are not taken up. Empty where that cannot be said,
+/// because a file is a pipe.
+std::string call_of(const SimulateArguments& arguments, const models::ParametricModel& model,
+                    const Eigen::VectorXd& times, const models::RealiseOptions& options, std::uint64_t seed,
+                    double radius, const std::string& air) {
+  const CloudWords& words = arguments.cloud;
+  std::string text =
+      fmt::format("a cloud of {}\n{}\n", model.model().info().name, model.model().info().equations);
+  for (const auto& [name, value] : model.fixed()) text += fmt::format("{} = {}\n", name, value);
+  text += fmt::format("times {}\n", fmt::join(times.begin(), times.end(), " "));
+  text += fmt::format(
+      "{} seed {}, step {}, first {}, keep {}, antithetic {}, radius {}, C_0 {}, rotation {}\n", air, seed,
+      options.step, options.first, options.keep, options.antithetic, radius, words.C_0, words.rotation);
+  text += options.ground ? fmt::format("ground {}\n", *options.ground) : std::string("no ground\n");
+  text += fmt::format("states {}, up to {}\n", fmt::join(options.states, " "), options.relative_error);
+  text += fmt::format("speed {}, length {}, at {}, {}\n", words.speed, words.length, words.place,
+                      fmt::join(words.flow_at, " "));
+  for (const std::string& file : {arguments.wind, words.flow}) {
+    if (file.empty()) continue;
+    if (!std::filesystem::is_regular_file(file)) return "";
+    // The files may have changed since.
+    const std::string content = io::read_text_file(file);
+    std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
+    for (const char c : content) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+    text += fmt::format("{} {:016x}\n", file, hash);
+  }
+  return text;
+}
+
+/// Flies them in parts, and keeps what is done beside the output, so that the same call goes on after an end that was not
+/// its own.
+models::Ensemble fly(const std::string& output, const std::string& call, const models::ParametricModel& model,
+                     const models::AirSource& air, std::span<const double> times,
+                     const models::RealiseOptions& options) {
+  if (output.empty() || call.empty()) return models::realise(model, {}, air, times, options);
+  constexpr long kWave = 256;
+  constexpr double kSecondsOfPart = 10.0;
+  const std::filesystem::path path = output + ".checkpoint";
+  codebooks::Checkpoint checkpoint(path, call);
+  models::Ensemble cloud;
+  if (codebooks::is_checkpoint(path)) {
+    try {
+      cloud = models::ensemble_of(checkpoint.march(), model, {}, air, times, options);
+      if (cloud.realisations() > options.realisations) throw ArgumentError("it has more than are asked for");
+      narrate(fmt::format("{} holds {} realisations of this call, which goes on from there", path.string(),
+                          cloud.realisations()));
+    } catch (const Error&) {
+      narrate(fmt::format("{} is of another call, and is replaced", path.string()));
+      cloud = {};
+    }
+  }
+  long part = 4 * kWave;
+  while (cloud.realisations() < options.realisations) {
+    const long done = cloud.realisations();
+    models::RealiseOptions next = options;
+    next.realisations = std::min(options.realisations, done + part);
+    const auto share = [&](double fraction) {
+      const auto flown = static_cast<double>(done) + fraction * static_cast<double>(next.realisations - done);
+      return flown / static_cast<double>(options.realisations);
+    };
+    if (options.progress)
+      next.progress = [&](const Progress& report) {
+        return options.progress({report.stage, share(report.fraction)});
+      };
+    const auto begin = std::chrono::steady_clock::now();
+    cloud = done == 0 ? models::realise(model, {}, air, times, next)
+                      : models::resume(cloud, model, {}, air, times, next);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    const bool is_whole =
+        cloud.realisations() < next.realisations || next.realisations == options.realisations;
+    if (cloud.cancelled || !is_whole) {
+      // A part that ends between waves cannot be gone on from.
+      if (cloud.realisations() > 0 && cloud.realisations() % kWave == 0)
+        checkpoint.save_march(models::numbers_of(cloud));
+    }
+    if (cloud.cancelled || is_whole) break;
+    if (took.count() < kSecondsOfPart) part *= 2;
+  }
+  std::error_code ignored;
+  if (!cloud.cancelled) std::filesystem::remove(path, ignored);
+  return cloud;
+}
+
 }  // namespace
 
 std::uint64_t seed_of(const CloudWords& words) {
@@ -176,9 +265,10 @@ void check_cloud_words(const SimulateArguments& arguments) {
   }
   whole_from("--realisations", words.realisations, 1L);
   seed_of(words);
-  const bool is_placed = !words.speed.empty() || !words.length.empty() || !words.place.empty();
+  const bool is_placed =
+      !words.speed.empty() || !words.length.empty() || !words.place.empty() || !words.flow_at.empty();
   if (is_placed && words.flow.empty())
-    throw ArgumentError("--speed, --length and --flow-place are of --flow, which was expected");
+    throw ArgumentError("--speed, --length, --flow-place and --flow-set are of --flow, which was expected");
   if (!words.flow.empty() && (words.speed.empty() || words.length.empty()))
     throw ArgumentError("--flow is dimensionless: --speed and --length were expected with it");
   if (!has_air(arguments)) {
@@ -211,8 +301,9 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   const double radius = radius_of(arguments, model);
   const NamedAir air = air_of(arguments, model, seed, radius);
   catch_interrupts();
-  models::Ensemble cloud = models::realise(model, {}, *air.source,
-                                           {times.data(), static_cast<std::size_t>(times.size())}, options);
+  const std::string call = call_of(arguments, model, times, options, seed, radius, air.description);
+  models::Ensemble cloud = fly(arguments.output, call, model, *air.source,
+                               {times.data(), static_cast<std::size_t>(times.size())}, options);
   clear_progress();
   if (cloud.realisations() == 0) {
     warn("interrupted before the first 256 realisations were done");
@@ -247,6 +338,9 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   if (arguments.cloud.json) print(cloud_json(file));
   narrate(cloud_summary(file, layout));
   if (cloud.count(models::RealisationStatus::not_finite) > 0) return kToleranceMissed;
+  if (cloud.cancelled && std::filesystem::exists(arguments.output + ".checkpoint"))
+    narrate(
+        fmt::format("{}.checkpoint keeps what is done: the same line goes on from there", arguments.output));
   return cloud.cancelled ? kInterrupted : kDone;
 }
 

@@ -22,6 +22,14 @@ class Spread {
   /// Standard error of the mean where what was added is independent; NaN for fewer than two.
   Eigen::VectorXd error_of_mean() const;
 
+  /// Visits all that it holds: numbers, vectors and matrices, whose sizes stay. Likewise below.
+  template <class Visit>
+  void visit(Visit& visit) {
+    visit(count_);
+    visit(mean_);
+    visit(squares_);
+  }
+
  private:
   long count_ = 0;
   Eigen::VectorXd mean_, squares_;
@@ -40,6 +48,13 @@ class Moments {
   const Eigen::VectorXd& mean() const { return mean_; }
   /// NaN for fewer than two.
   Eigen::MatrixXd covariance() const;
+
+  template <class Visit>
+  void visit(Visit& visit) {
+    visit(count_);
+    visit(mean_);
+    visit(squares_);
+  }
 
  private:
   long count_ = 0;
@@ -69,6 +84,12 @@ class StepCounts {
   long steps() const { return steps_; }
   long beyond_tenth() const { return beyond_tenth_; }
   long beyond_third() const { return beyond_third_; }
+  template <class Visit>
+  void visit(Visit& visit) {
+    for (long* count : {&steps_, &beyond_tenth_, &beyond_third_}) visit(*count);
+    for (long& count : by_scale_) visit(count);
+  }
+
   /// The scale that a share of the steps stays below [s], to a fifth of itself; infinite where the air changes in none.
   double scale_below(double share) const;
 
@@ -79,6 +100,8 @@ class StepCounts {
 
   long steps_ = 0, beyond_tenth_ = 0, beyond_third_ = 0;
   std::array<long, kBins> by_scale_ = {};
+  double last_scale_ = -1.0;  ///< of the step before, and its bin: most follow one of the same
+  std::size_t last_bin_ = 0;
 };
 
 /// All that is summed over realisations.
@@ -88,6 +111,17 @@ class EnsembleSums {
       : at(times, TimeSums(states)), half_turns(1), displacement(3), way(1) {}
 
   void merge(const EnsembleSums& other);
+  template <class Visit>
+  void visit(Visit& visit) {
+    for (TimeSums& sums : at) {
+      sums.single.visit(visit);
+      sums.independent.visit(visit);
+      sums.groups.visit(visit);
+    }
+    for (Spread* spread : {&half_turns, &displacement, &way}) spread->visit(visit);
+    steps.visit(visit);
+  }
+
   /// Standard error of the mean displacement over the root mean square displacement.
   double relative_error() const;
 

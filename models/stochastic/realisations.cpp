@@ -246,6 +246,47 @@ void conclude(const RealisationPlan& plan, const EnsembleSums& sums, Ensemble& e
   ensemble.sums = std::make_shared<EnsembleSums>(sums);
 }
 
+/// Puts numbers into a row, or takes them from one.
+class NumberWriter {
+ public:
+  void operator()(long value) { numbers.push_back(static_cast<double>(value)); }
+  void operator()(double value) { numbers.push_back(value); }
+  void operator()(const Eigen::Ref<const Eigen::MatrixXd>& values) {
+    for (const auto& column : values.colwise()) numbers.insert(numbers.end(), column.begin(), column.end());
+  }
+
+  std::vector<double> numbers;
+};
+
+class NumberReader {
+ public:
+  explicit NumberReader(std::span<const double> numbers) : left_(numbers) {}
+
+  void operator()(long& value) { value = static_cast<long>(next()); }
+  void operator()(double& value) { value = next(); }
+  void operator()(Eigen::Ref<Eigen::MatrixXd> values) {
+    for (auto column : values.colwise()) std::ranges::generate(column, [&] { return next(); });
+  }
+  /// A count of things that take at least a number each.
+  std::size_t size() {
+    const double value = next();
+    if (!(value >= 0.0 && value <= static_cast<double>(left_.size()) && value == std::floor(value)))
+      throw ArgumentError("the numbers of an ensemble are damaged, or of another call");
+    return static_cast<std::size_t>(value);
+  }
+  bool is_at_end() const { return left_.empty(); }
+
+ private:
+  double next() {
+    if (left_.empty()) throw ArgumentError("the numbers of an ensemble are too few, or of another call");
+    const double value = left_.front();
+    left_ = left_.subspan(1);
+    return value;
+  }
+
+  std::span<const double> left_;
+};
+
 Ensemble run_from(Ensemble ensemble, EnsembleSums sums, const RealisationPlan& plan,
                   const RealiseOptions& options) {
   const auto left = static_cast<double>(options.realisations - ensemble.realisations());
@@ -272,6 +313,66 @@ Ensemble realise(const ParametricModel& model, std::span<const double> point, co
   ensemble.first = options.first;
   return run_from(std::move(ensemble),
                   EnsembleSums(times.size(), static_cast<Eigen::Index>(plan.states.size())), plan, options);
+}
+
+std::vector<double> numbers_of(const Ensemble& ensemble) {
+  if (!ensemble.sums)
+    throw ArgumentError("an ensemble that was not made by realise() has no numbers to go on from");
+  NumberWriter write;
+  write(ensemble.realisations());
+  for (const RealisationStatus status : ensemble.status) write(static_cast<long>(status));
+  write(static_cast<long>(ensemble.half_turns.size()));
+  for (const int turns : ensemble.half_turns) write(static_cast<long>(turns));
+  write(static_cast<long>(ensemble.landings.size()));
+  for (const Landing& landing : ensemble.landings) {
+    write(landing.realisation);
+    write(landing.t);
+    write(landing.position);
+  }
+  write(static_cast<long>(ensemble.kept.size()));
+  for (const Eigen::MatrixXd& all : ensemble.kept) write(all);
+  EnsembleSums sums = *ensemble.sums;
+  sums.visit(write);
+  return std::move(write.numbers);
+}
+
+Ensemble ensemble_of(std::span<const double> numbers, const ParametricModel& model,
+                     std::span<const double> point, const AirSource& air, std::span<const double> times,
+                     const RealiseOptions& options) {
+  const RealisationPlan plan = plan_of(model, point, air, times, options);
+  NumberReader read(numbers);
+  Ensemble ensemble;
+  ensemble.first = options.first;
+  ensemble.status.resize(read.size());
+  for (RealisationStatus& status : ensemble.status) {
+    long which = 0;
+    read(which);
+    if (which < 0 || which > static_cast<long>(RealisationStatus::not_finite))
+      throw ArgumentError("the numbers of an ensemble hold a status that there is not");
+    status = static_cast<RealisationStatus>(which);
+  }
+  ensemble.half_turns.resize(read.size());
+  for (int& turns : ensemble.half_turns) {
+    long count = 0;
+    read(count);
+    turns = static_cast<int>(count);
+  }
+  ensemble.landings.resize(read.size());
+  for (Landing& landing : ensemble.landings) {
+    read(landing.realisation);
+    read(landing.t);
+    read(landing.position);
+  }
+  ensemble.kept.resize(read.size());
+  for (Eigen::MatrixXd& all : ensemble.kept) {
+    all.resize(static_cast<Eigen::Index>(times.size()), model.state_count());
+    read(all);
+  }
+  EnsembleSums sums(times.size(), static_cast<Eigen::Index>(plan.states.size()));
+  sums.visit(read);
+  if (!read.is_at_end()) throw ArgumentError("the numbers of an ensemble are too many, or of another call");
+  conclude(plan, sums, ensemble);
+  return ensemble;
 }
 
 Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<const double> point,

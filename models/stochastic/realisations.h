@@ -53,4 +53,12 @@ Ensemble realise(const ParametricModel& model, std::span<const double> point, co
 Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<const double> point,
                 const AirSource& air, std::span<const double> times, const RealiseOptions& options = {});
 
+/// What an ensemble has come to as plain numbers, for checkpoints, and the ensemble again, for the same call: bit for bit
+/// what resume() goes on from.
+/// @throws ArgumentError if it was not made by realise(), or as realise(), or if the numbers are of another call
+std::vector<double> numbers_of(const Ensemble& ensemble);
+Ensemble ensemble_of(std::span<const double> numbers, const ParametricModel& model,
+                     std::span<const double> point, const AirSource& air, std::span<const double> times,
+                     const RealiseOptions& options = {});
+
 }  // namespace samara::models

@@ -9,7 +9,9 @@ import json
 import pathlib
 import re
 import shlex
+import signal
 import subprocess
+import time
 import xml.dom.minidom
 
 import h5py
@@ -50,6 +52,29 @@ class Clouds(Case):
             np.testing.assert_allclose(file["covariance"][1], file["covariance"][1].T, rtol=0)
         picture = xml.dom.minidom.parse(str(FOLDER / "cloud.svg"))
         self.assertEqual(len(picture.getElementsByTagName("circle")), 1000)
+
+    def test_an_interrupted_cloud_goes_on_to_the_same_bits(self):
+        def line(path):
+            return ["simulate", *CARD, *GUSTS, "--realisations", 12000, "--until", 0.5, "--frames", 3, "--step", "2 ms", "-o", path]
+        path, whole = FOLDER / "parts.h5", FOLDER / "whole.h5"
+        kept = FOLDER / "parts.h5.checkpoint"
+        begun = subprocess.Popen([SAMARA, *map(str, line(path))], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        while begun.poll() is None and not kept.exists():
+            time.sleep(0.002)
+        begun.send_signal(signal.SIGINT)
+        _, said = begun.communicate(timeout=LONGEST)
+        self.assertEqual(begun.returncode, 130, said)
+        self.assertIn("parts.h5.checkpoint keeps what is done", said)
+        with h5py.File(path) as file:
+            self.assertLess(file.attrs["realisations"], 12000)
+        resumed = run(*line(path))
+        self.assertEqual(resumed.returncode, 0, resumed.stderr)
+        self.assertRegex(resumed.stderr, r"parts.h5.checkpoint holds \d+ realisations of this call")
+        self.assertFalse(kept.exists())
+        self.assertEqual(run(*line(whole)).returncode, 0)
+        with h5py.File(path) as one, h5py.File(whole) as other:
+            for name in ["mean", "mean_error", "covariance", "covariance_error", "half_turns", "flying"]:
+                np.testing.assert_array_equal(one[name][:], other[name][:])
 
     def test_statistics_are_those_of_the_kept_trajectories(self):
         path = FOLDER / "all.h5"

@@ -163,6 +163,28 @@ TEST_CASE("a realisation has the same bits alone, in any pack, on any number of 
   }
 }
 
+TEST_CASE("an ensemble that was plain numbers in between goes on to the same bits") {
+  const auto air = breeze();
+  const RealiseOptions options = {.realisations = 600, .ground = 0.99, .keep = 300};
+  const Ensemble all = realise(leaf(), {}, *air, kTimes, options);
+  RealiseOptions some = options;
+  some.relative_error = 1e9;
+  const std::vector<double> numbers = numbers_of(realise(leaf(), {}, *air, kTimes, some));
+  const Ensemble begun = ensemble_of(numbers, leaf(), {}, *air, kTimes, options);
+  CHECK(begun.realisations() == 256);
+  const Ensemble resumed = resume(begun, leaf(), {}, *air, kTimes, options);
+  CHECK(same_bits(all, resumed));
+  CHECK(resumed.landings.size() == all.landings.size());
+  CHECK(resumed.steps.shortest == all.steps.shortest);
+  // Numbers of another call, or too few of them.
+  const std::vector<double> other = {0.1};
+  CHECK_THROWS_WITH(ensemble_of(numbers, leaf(), {}, *air, other, options), Contains("of another call"));
+  CHECK_THROWS_WITH(
+      ensemble_of(std::span(numbers).first(numbers.size() - 1), leaf(), {}, *air, kTimes, options),
+      Contains("too few"));
+  CHECK_THROWS_WITH(numbers_of({}), Contains("not made by realise()"));
+}
+
 TEST_CASE("one generator behind all realisations is found out") {
   const auto path_of_17 = [](const AirSource& air, const RealiseOptions& options) {
     return realise(leaf(), {}, air, kTimes, options).kept[static_cast<std::size_t>(17 - options.first)];
