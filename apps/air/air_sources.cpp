@@ -9,10 +9,12 @@
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
+#include "inputs/flows.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/flow/files/flow_view.h"
 #include "samara/models/stochastic/fluid_seen.h"
+#include "samara/models/stochastic/gust_layout.h"
 #include "samara/models/wind/body_outline.h"
 #include "terminal/terminal.h"
 
@@ -122,11 +124,19 @@ NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricMod
        {std::pair("--speed", placement.speed), std::pair("--length", placement.length)})
     if (!(value > 0.0)) throw ArgumentError(fmt::format("{} is {}, expected more than 0", option, value));
   if (!words.place.empty()) placement.body = place_of("--flow-place", words.place, "x, y, z");
-  const auto stored = std::make_shared<const flow::StoredFlow>(flow::load_flow(words.flow));
+  const auto stored =
+      std::make_shared<const flow::StoredFlow>(flow_of_file(words.flow, words.flow_at, "--flow-set"));
   if (std::ranges::none_of(stored->fields, [](const auto& field) { return field.name == "epsilon"; })) {
     throw ArgumentError(fmt::format(
         "--flow: {} is laminar, so that all realisations would be one; a flow by k-epsilon was expected",
         words.flow));
+  }
+  if (stored->grid.dimensions == 3 &&
+      models::GustLayout(model.model()).space() == models::GustLayout::Space::plane) {
+    throw ArgumentError(
+        fmt::format("--flow: {} is a flow in space, and model \"{}\" moves in a plane; the flow of a section "
+                    "was expected",
+                    words.flow, model.model().info().name));
   }
   const auto view = std::make_shared<const flow::FlowView>(stored, placement);
   return {.source = models::fluid_seen_in(view, seed, seen_options(arguments, model, body_radius)),

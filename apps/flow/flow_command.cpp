@@ -9,6 +9,7 @@
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/flow/books/energy_book.h"
+#include "samara/flow/books/field_book.h"
 #include "samara/flow/files/flow_file.h"
 #include "samara/flow/files/flow_plan.h"
 #include "samara/io/file_lock.h"
@@ -69,15 +70,19 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     return kInterrupted;
   };
   try {
-    const codebooks::BuildResult result = flow::build_energy_book(plan, options);
+    const codebooks::BuildResult result =
+        plan.of_fields ? flow::build_field_book(plan, options) : flow::build_energy_book(plan, options);
     if (is_interrupted()) return interrupted();
     codebooks::save(result.book, arguments.output);
     if (!arguments.json) print(to_table(*result.book.certificate(), result.book));
-    const Eigen::VectorXd change = flow::discretisation(plan, result.book, options.progress);
+    const Eigen::VectorXd change = plan.of_fields
+                                       ? flow::field_discretisation(plan, result.book, options.progress)
+                                       : flow::discretisation(plan, result.book, options.progress);
     clear_progress();
     codebooks::save(flow::with_discretisation(result.book, change), arguments.output);
-    std::string text =
-        "twice the cells, at both ends of the box, change by these shares of the same ranges:\n";
+    std::string text = fmt::format(
+        "twice the cells, at both ends of the box, change by these shares of the same ranges{}:\n",
+        plan.of_fields ? ", in root mean square over the places" : "");
     for (Eigen::Index o = 0; o < change.size(); ++o)
       text += fmt::format("  {:<14} {:.3g}\n", result.book.outputs()[static_cast<std::size_t>(o)].name,
                           change(o));

@@ -33,6 +33,7 @@ struct CloudWords {
   std::string seed, first;                 ///< empty: 1 and 0
   std::vector<std::string> turbulence;     ///< kind and NAME=VALUE; empty: none
   std::string flow, speed, length, place;  ///< file of a flow, how fast, how large, where; empty: none
+  std::vector<std::string> flow_at;        ///< NAME=VALUE, where it is a codebook of flows
   std::string C_0, radius;                 ///< empty: the default
   bool rotation = false;
   std::vector<std::string> states;
@@ -263,6 +264,7 @@ struct FlowArguments {
 
 struct PictureArguments {
   std::string flow;
+  std::vector<std::string> set;  ///< NAME=VALUE, where it is a codebook of flows
   std::string field = "k";
   int scale = 0;  ///< 0: chosen by the size of the grid
   bool no_streamlines = false;

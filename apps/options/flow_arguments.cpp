@@ -26,7 +26,11 @@ void add_flow(CLI::App& app, Arguments& arguments) {
 void add_picture(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<PictureArguments>();
   CLI::App* command = app.add_subcommand("picture", "a field of a flow file in colours, as PNG");
-  command->add_option("FLOW", values->flow, "flow file")->required();
+  command->add_option("FLOW", values->flow, "flow file, or codebook of the fields of flows")->required();
+  command
+      ->add_option("--set", values->set,
+                   std::string("of a codebook, its angle_of_attack and log10_reynolds: ") + kAssignments)
+      ->allow_extra_args(false);
   command
       ->add_option("--field", values->field,
                    "u, v, w, p, k, k_modelled, k_resolved, epsilon, or speed, of the mean velocity")

@@ -22,7 +22,10 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
       "epsilon=.., and the stream that carries it, stream_x=.., stream_y=.., stream_z=..; SI or with units");
   option("--flow", words.flow,
          "file of a flow (samara flow): the wake of its body, with its turbulence; the stream runs along x, "
-         "the flow's y is up");
+         "the flow's y is up; or a codebook of such fields");
+  option("--flow-set", words.flow_at,
+         "of a codebook of fields: NAME=VALUE of its angle_of_attack and log10_reynolds, one a time")
+      ->allow_extra_args(false);
   option("--speed", words.speed, "of the stream of --flow, m/s or with a unit");
   option("--length", words.length, "of the body of --flow, m or with a unit");
   option("--flow-place", words.place, "where the centre of that body is: \"0, 0, 1 m\"; default: the origin");

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "inputs/flows.h"
 #include "options/commands.h"
 #include "samara/flow/files/flow_picture.h"
 #include "samara/io/atomic_file.h"
@@ -10,7 +11,7 @@ namespace samara::apps {
 
 int run(const PictureArguments& arguments) {
   check_output(arguments.output, {arguments.flow});
-  const flow::StoredFlow stored = flow::load_flow(arguments.flow);
+  const flow::StoredFlow stored = flow_of_file(arguments.flow, arguments.set, "--set");
   flow::PictureOptions options;
   options.field = arguments.field;
   options.pixels_per_cell = arguments.scale;

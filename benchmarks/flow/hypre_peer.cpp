@@ -1,8 +1,10 @@
 #include "hypre_peer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <HYPRE_struct_ls.h>

@@ -22,7 +22,6 @@
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/fields/ready_field.h"
 #include "samara/codebooks/plan/make_plan.h"
-#include "samara/codebooks/source/call_memory.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/models/checks/parameter_warnings.h"
 
@@ -74,30 +73,6 @@ long at_most(const Plan& plan, long limit) {
 Solution chosen(Solution solution, const std::string& reason) {
   solution.record.message += fmt::format("; chosen because {}", reason);
   return solution;
-}
-
-/// The calls of a build by sampling, with those of its checkpoint if it is resumed. A disk that is full must
-/// not end a build that needs no disk: it is told once.
-CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
-  Checkpoint checkpoint(options.checkpoint, plan.whole_text());
-  std::vector<CallSheet> known;
-  if (options.resume && is_checkpoint(options.checkpoint)) known = checkpoint.calls();
-  CallMemory::Save save;
-  if (!options.checkpoint.empty()) {
-    save = [checkpoint, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
-      try {
-        checkpoint.save_calls(calls);
-      } catch (const ArgumentError& error) {
-        if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
-        warned = true;
-      }
-    };
-  }
-  try {
-    return CallMemory(std::move(source), std::move(known), std::move(save));
-  } catch (const ArgumentError& error) {
-    throw bad_checkpoint(options.checkpoint, error.what());
-  }
 }
 
 CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,

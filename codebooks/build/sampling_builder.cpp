@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/time_mesh.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/pgd/fields/field_rounding.h"
 #include "samara/pgd/sampling/leja.h"
 #include "samara/pgd/sampling/sampling.h"
@@ -256,6 +257,28 @@ Outcome<Solution> solve(const Plan& plan, CallMemory& calls, long max_calls, con
 }
 
 }  // namespace
+
+CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
+  Checkpoint checkpoint(options.checkpoint, plan.whole_text());
+  std::vector<CallSheet> known;
+  if (options.resume && is_checkpoint(options.checkpoint)) known = checkpoint.calls();
+  CallMemory::Save save;
+  if (!options.checkpoint.empty()) {
+    save = [checkpoint, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
+      try {
+        checkpoint.save_calls(calls);
+      } catch (const ArgumentError& error) {
+        if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
+        warned = true;
+      }
+    };
+  }
+  try {
+    return CallMemory(std::move(source), std::move(known), std::move(save));
+  } catch (const ArgumentError& error) {
+    throw bad_checkpoint(options.checkpoint, error.what());
+  }
+}
 
 Outcome<Solution> solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
                                     const ProgressCallback& progress, const CertifyClaim& certify_claim) {

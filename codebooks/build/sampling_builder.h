@@ -4,12 +4,19 @@
 
 #include "samara/base/progress.h"
 #include "samara/base/termination.h"
+#include "samara/codebooks/build/build.h"
 #include "samara/codebooks/build/solution.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/codebooks/source/call_memory.h"
 
 namespace samara::codebooks {
+
+/// The calls of a build by sampling, with those of its checkpoint if it is resumed. A disk that is full must
+/// not end a build that needs no disk: it is told once.
+/// @param options must outlive what is returned
+/// @throws InputError for a checkpoint that is broken or of another plan
+CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options);
 
 /// Measures a rounded field that took so many calls, until it finds it wrong.
 using CertifyClaim = std::function<Measured(const pgd::TrainField& field, double calls)>;

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/flow/books/planned_flow.h"
 
 namespace samara::flow {
 
@@ -91,37 +90,23 @@ Eigen::VectorXd energy_of(const FlowResult& result, const FlowCase& flow) {
   return values;
 }
 
-Eigen::VectorXd solve_energy(const FlowPlan& plan, double angle_of_attack, double reynolds,
+Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& point,
                              const ProgressCallback& progress) {
-  FlowCase flow = plan.flow;
-  flow.angle_of_attack = angle_of_attack;
-  flow.reynolds = reynolds;
-  FlowOptions options;
-  options.end = plan.end;
-  options.max_time = plan.max_time;
-  options.max_memory = plan.max_memory;
-  options.seed = plan.seed;
-  options.threads = plan.threads;
-  if (progress) {
-    options.progress = [&](const Progress& report) {
-      return progress(
-          {fmt::format("flow at {:.4g} rad, Re {:.4g}", angle_of_attack, reynolds), report.fraction});
-    };
-  }
-  const FlowResult result = solve_flow(flow, options);
-  if (result.status != FlowStatus::steady && result.status != FlowStatus::averaged)
-    throw NoResultError(fmt::format("the flow at {:.4g} rad, Re {:.4g} ends as \"{}\": {}", angle_of_attack,
-                                    reynolds, to_string(result.status), result.message));
-  return energy_of(result, flow);
+  return energy_of(solve_at(plan, point, progress), flow_case_at(plan, point));
 }
 
 codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
   const codebooks::Plan book = book_plan(plan);
   codebooks::BuildOptions chosen = options;
   if (!chosen.certificate_points) chosen.certificate_points = plan.certificate_points;
+  // A command is told what is fixed as well: the angle, then the Reynolds number.
   const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
-    for (Eigen::Index j = 0; j < points.cols(); ++j)
-      values.col(j) = solve_energy(plan, points(0, j), std::pow(10.0, points(1, j)), options.progress);
+    for (Eigen::Index j = 0; j < points.cols(); ++j) {
+      std::vector<double> point;
+      for (const codebooks::BoxEntry& entry : plan.box)
+        point.push_back(points(entry.name == "angle_of_attack" ? 0 : 1, j));
+      values.col(j) = solve_energy(plan, point, options.progress);
+    }
   };
   return codebooks::build(book, function, chosen);
 }
@@ -131,20 +116,14 @@ Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& 
   FlowPlan finer = plan;
   finer.flow.cells_per_length *= 2;
   codebooks::Query query(book);
+  const auto [lower, upper] = corners_of(plan);
   Eigen::MatrixXd coarse(book.output_count(), 2), fine(book.output_count(), 2);
   for (const int end : {0, 1}) {
-    std::vector<double> point(plan.box.size());
-    double angle = plan.flow.angle_of_attack, reynolds = plan.flow.reynolds;
-    for (std::size_t k = 0; k < plan.box.size(); ++k) {
-      const double value = end == 0 ? plan.box[k].lower : plan.box[k].upper;
-      point[k] = value;
-      (plan.box[k].name == "angle_of_attack" ? angle : reynolds) =
-          plan.box[k].name == "angle_of_attack" ? value : std::pow(10.0, value);
-    }
+    const std::vector<double>& corner = end == 0 ? lower : upper;
     Eigen::VectorXd values(book.output_count());
-    query.values(point, values);
+    query.values(corner, values);
     coarse.col(end) = values;
-    fine.col(end) = solve_energy(finer, angle, reynolds, progress);
+    fine.col(end) = solve_energy(finer, corner, progress);
   }
   Eigen::VectorXd change(book.output_count());
   for (Eigen::Index o = 0; o < change.size(); ++o) {
@@ -161,8 +140,9 @@ codebooks::Codebook with_discretisation(const codebooks::Codebook& book, const E
   for (Eigen::Index o = 0; o < change.size(); ++o)
     record.message += fmt::format("{} {} by {:.3g}", o == 0 ? "" : ",",
                                   book.outputs()[static_cast<std::size_t>(o)].name, change(o));
-  return codebooks::Codebook(book.model(), book.pieces(), std::move(record), book.provenance(),
-                             book.certificate(), book.title());
+  codebooks::Codebook said(book.model(), book.pieces(), std::move(record), book.provenance(),
+                           book.certificate(), book.title());
+  return book.mesh() == nullptr ? said : said.with_mesh(*book.mesh());
 }
 
 }  // namespace samara::flow

@@ -21,9 +21,9 @@ std::vector<codebooks::CommandQuantity> energy_outputs(const FlowCase& flow);
 /// Their values. k and epsilon are means over the fluid within half a length of the body.
 Eigen::VectorXd energy_of(const FlowResult& result, const FlowCase& flow);
 
-/// The outputs at an angle of attack [rad] and a Reynolds number.
+/// The outputs at values of the plan's box, in its order: angle_of_attack [rad], log10_reynolds.
 /// @throws NoResultError if the flow is not found there
-Eigen::VectorXd solve_energy(const FlowPlan& plan, double angle_of_attack, double reynolds,
+Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& point,
                              const ProgressCallback& progress);
 
 /// @param plan with a box @throws as codebooks::build(), and ArgumentError for a plan without a box

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -246,6 +247,22 @@ void check_fields(const io::Hdf5Reader& file, const StoredFlow& flow) {
 
 }  // namespace
 
+std::vector<CentreField> centre_fields(const FlowResult& result) {
+  std::vector<CentreField> fields;
+  for (int d = 0; d < result.grid.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    fields.push_back({kComponents[at], "U", in_centres(result.grid, result.velocity[at], d)});
+  }
+  Field k = result.k_resolved;
+  for (std::size_t c = 0; c < result.k_modelled.size(); ++c) k[c] += result.k_modelled[c];
+  fields.push_back({"p", "rho U^2", result.pressure});
+  fields.push_back({"k", "U^2", std::move(k)});
+  if (!result.k_modelled.empty()) fields.push_back({"k_modelled", "U^2", result.k_modelled});
+  fields.push_back({"k_resolved", "U^2", result.k_resolved});
+  if (!result.epsilon.empty()) fields.push_back({"epsilon", "U^3/l", result.epsilon});
+  return fields;
+}
+
 void save_flow(const FlowResult& result, const FlowPlan& plan, const std::filesystem::path& path) {
   const MacGrid& grid = result.grid;
   io::Hdf5Writer file(path);
@@ -263,20 +280,13 @@ void save_flow(const FlowResult& result, const FlowPlan& plan, const std::filesy
                                std::array<double, 3>{grid.origin.x(), grid.origin.y(), grid.origin.z()});
 
   const FieldWriter fields(file, grid);
-  Field k = result.k_resolved;
-  for (std::size_t c = 0; c < result.k_modelled.size(); ++c) k[c] += result.k_modelled[c];
   for (int d = 0; d < grid.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);
     fields.write(fmt::format("/fields/{}", kComponents[at]), result.velocity[at], d, "U");
-    fields.write(fmt::format("/centre/{}", kComponents[at]), in_centres(grid, result.velocity[at], d), -1,
-                 "U");
     fields.write(fmt::format("/body/open_{}", kAxes[at]), result.body.face[at], d, "1");
   }
-  fields.write("/centre/p", result.pressure, -1, "rho U^2");
-  fields.write("/centre/k", k, -1, "U^2");
-  fields.write("/centre/k_modelled", result.k_modelled, -1, "U^2");
-  fields.write("/centre/k_resolved", result.k_resolved, -1, "U^2");
-  fields.write("/centre/epsilon", result.epsilon, -1, "U^3/l");
+  for (const CentreField& field : centre_fields(result))
+    fields.write("/centre/" + field.name, field.values, -1, field.unit.c_str());
   fields.write("/body/open", result.body.cell, -1, "1");
 
   write_history(file, result.history);

@@ -26,6 +26,10 @@ struct CentreField {
   Field values;
 };
 
+/// What a flow file holds of a flow: u, v, (w), p, k (modelled and resolved), k_modelled, k_resolved, epsilon; of a laminar
+/// one neither k_modelled nor epsilon.
+std::vector<CentreField> centre_fields(const FlowResult& result);
+
 /// What a flow file tells.
 struct FlowSummary {
   std::string status, message, title, plan, generator;

@@ -177,9 +177,11 @@ io::Picture draw_flow(const StoredFlow& flow, const PictureOptions& options) {
     }
   }
   canvas.draw_bar(low, high, fmt::format("{} [{}]", shown.name, shown.unit));
-  canvas.image.write_text(kMargin, kMargin,
-                          fmt::format("C_D {:.3f}  St {:.3f}  Re {:.3g}  {}", flow.summary.drag,
-                                      flow.summary.strouhal, flow.summary.reynolds, flow.summary.status),
+  const FlowSummary& s = flow.summary;
+  // The fields of a codebook come without loads.
+  const std::string loads =
+      std::isfinite(s.drag) ? fmt::format("C_D {:.3f}  St {:.3f}  ", s.drag, s.strouhal) : std::string();
+  canvas.image.write_text(kMargin, kMargin, fmt::format("{}Re {:.3g}  {}", loads, s.reynolds, s.status),
                           kInk);
   return canvas.image;
 }

@@ -142,7 +142,7 @@ void read_book(const TomlTable& root, FlowPlan& plan) {
   if (plan.box.empty()) throw root.error("box", "is empty, expected angle_of_attack or log10_reynolds in it");
   if (const auto book = root.optional_table("book")) {
     book->expect_keys({"kind", "max_calls", "certificate_points"});
-    book->choice("kind", {"energy"});
+    plan.of_fields = book->choice("kind", {"energy", "fields"}) == "fields";
     plan.max_calls = static_cast<long>(whole(*book, "max_calls", plan.max_calls, 4, 100'000));
     plan.certificate_points =
         static_cast<int>(whole(*book, "certificate_points", plan.certificate_points, 2, 10'000));

@@ -24,8 +24,10 @@ struct FlowPlan {
   std::string text;  ///< as read
 
   std::vector<codebooks::BoxEntry> box;  ///< angle_of_attack [rad], log10_reynolds; empty: one flow
+  bool of_fields = false;                ///< a book of the mean fields, not of loads and energy
   double relative = 0.05;                ///< of each output's range over the box
-  long max_calls = 400;  ///< solves that the builder may take, of which it needs about 100 for its own checks
+  /// Solves that the builder may take, of which that of loads and energy needs about 100 for its own checks.
+  long max_calls = 400;
   int certificate_points = 8;  ///< solves that it does not see
 };
 

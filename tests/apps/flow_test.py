@@ -229,6 +229,41 @@ relative = 0.05
         told = json.loads(run("info", single, "--json").stdout)
         self.assertAlmostEqual(drag, told["C_D"], delta=0.03)
 
+    def test_a_book_of_fields_is_asked_drawn_and_exported_at_an_angle(self):
+        small = PLAN.replace("before = 3, behind = 6, side = 3", "before = 1.5, behind = 2, side = 1.5").replace(
+            "cells_per_length = 6", "cells_per_length = 4").replace("thickness = 1 }", "thickness = 0.5 }")
+        plan = write("fields.toml", small + '''[box]
+angle_of_attack = ["0 deg", "30 deg"]
+[book]
+kind = "fields"
+certificate_points = 2
+[tolerance]
+relative = 0.05
+''')
+        path = FOLDER / "fields.h5"
+        result = run("flow", plan, "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("root mean square over the places", result.stdout)
+        self.assertIn("what 95 % of the places at a point keep below; the largest anywhere", result.stdout)
+        self.assertFalse(os.path.exists(str(path) + ".checkpoint"))
+        self.assertIn("mesh: 168 nodes", run("info", path).stdout)
+        angle = "angle_of_attack=30 deg"
+        single = FOLDER / "turned.h5"
+        turned = small.replace("reynolds = 30", 'reynolds = 30\nangle_of_attack = "30 deg"')
+        self.assertEqual(run("flow", write("turned.toml", turned), "-o", single).returncode, 0)
+        with h5py.File(single) as file:
+            u, x, y = file["centre/u"][:], file["axes/x"][:], file["axes/y"][:]
+        asked = run("query", path, "--set", f"x={x[9]}", "--set", f"y={y[7]}", "--set", angle).stdout.splitlines()
+        said = dict(zip(asked[0].split(","), map(float, asked[1].split(","))))
+        # The end of the box is a node.
+        self.assertAlmostEqual(said["u[1]"], u[7, 9], delta=0.01)
+        for made in ["fields.png", "fields.vtu"]:
+            verb = ["picture", path, "--field", "u"] if made.endswith("png") else ["export", path, "--to", "paraview"]
+            self.assertEqual(run(*verb, "--set", angle, "-o", FOLDER / made).returncode, 0)
+        self.check_error(run("picture", path, "-o", FOLDER / "no.png"), 2, "needs a value of angle_of_attack, from 0 to 0.523599")
+        self.check_error(run("picture", single, "--set", angle, "-o", FOLDER / "no.png"), 2, "--set", "is one flow")
+        self.check_error(run("picture", path, "--set", "angle_of_attack=2", "-o", FOLDER / "no.png"), 5, "angle_of_attack")
+
     def test_what_cannot_be_a_flow_is_refused_in_a_sentence(self):
         out = FOLDER / "never.h5"
         for change, code, parts in [

@@ -1,0 +1,454 @@
+#include "samara/flow/books/field_book.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/require.h"
+#include "samara/codebooks/book/certificate_points.h"
+#include "samara/codebooks/book/made.h"
+#include "samara/codebooks/build/sampling_builder.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/certify/point_errors.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/flow/books/cell_mesh.h"
+#include "samara/flow/books/field_flow.h"
+#include "samara/flow/books/leja_grid.h"
+#include "samara/flow/books/planned_flow.h"
+#include "samara/pgd/fields/train_field.h"
+
+namespace samara::flow {
+
+namespace {
+
+/// Of all places at a point, which the tolerance is asked of.
+constexpr double kShareOfPlaces = 0.95;
+/// Of the tolerance: what a flow that is foretold may differ by, and what truncated modes may.
+constexpr double kForetold = 0.5, kTruncated = 0.05;
+
+/// Differences below these do not matter, whatever an output's range.
+double field_floor(const std::string& output) {
+  return output == "k" ? 0.01 : 0.1;
+}
+
+codebooks::Plan plan_of_book(const FlowPlan& plan) {
+  codebooks::Plan book;
+  book.title = plan.title;
+  book.text = plan.text;
+  book.box = plan.box;
+  book.relative = plan.relative;
+  book.builder.kind = "sampling";
+  book.builder.seed = plan.seed;
+  for (const pgd::OutputLabel& output : field_outputs(plan.flow))
+    book.absolute[output.name] = field_floor(output.name);
+  return book;
+}
+
+/// All outputs in all cells: outputs x nodes.
+Eigen::MatrixXd fields_of(const FlowResult& result, const FlowCase& flow) {
+  const std::vector<CentreField> centres = centre_fields(result);
+  const auto field = [&](const std::string& name) -> const Field& {
+    return std::ranges::find(centres, name, &CentreField::name)->values;
+  };
+  const std::vector<pgd::OutputLabel> outputs = field_outputs(flow);
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(outputs.size()), result.grid.cell_count());
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    const std::string& name = outputs[o].name;
+    const bool logarithm = name.starts_with("log10_");
+    Field chosen = field(logarithm ? name.substr(6) : name);
+    if (logarithm || name == "p") continue_into_body(result.grid, result.body, chosen);
+    if (logarithm) {
+      for (double& value : chosen) value = std::log10(value);
+    }
+    values.row(static_cast<Eigen::Index>(o)) = cells_in_order(result.grid, chosen).transpose();
+  }
+  return values;
+}
+
+/// That a share of the numbers are at most.
+double quantile(Eigen::VectorXd values, double share) {
+  const auto place = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
+  std::nth_element(values.begin(), values.begin() + place, values.end());
+  return values[place];
+}
+
+/// Errors of two answers (outputs x places) by output, over the scales: what a share of the places keep below.
+Eigen::VectorXd place_errors(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::VectorXd errors(a.rows());
+  for (Eigen::Index o = 0; o < a.rows(); ++o)
+    errors[o] = quantile((a.row(o) - b.row(o)).cwiseAbs().transpose(), kShareOfPlaces);
+  return errors;
+}
+
+/// A build on its way.
+class FieldBuilder {
+ public:
+  FieldBuilder(const FlowPlan& plan, const codebooks::BuildOptions& options)
+      : plan_(plan),
+        book_plan_(plan_of_book(plan)),
+        options_(options),
+        outputs_(field_outputs(plan.flow)),
+        nodes_(Eigen::VectorXd::LinSpaced(grid_of(plan.flow).cell_count(), 0.0,
+                                          static_cast<double>(grid_of(plan.flow).cell_count() - 1))),
+        calls_(codebooks::calls_of(book_plan_, source(), options)),
+        grid_(plan.box.size()) {}
+
+  codebooks::BuildResult run() {
+    const auto begin = std::chrono::steady_clock::now();
+    grow();
+    codebooks::BuildRecord record = record_of();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    codebooks::Codebook book(description(), {codebooks::Piece(groups())}, record,
+                             codebooks::made_now(book_plan_.text, took.count()), {}, plan_.title);
+    book = book.with_mesh(cell_mesh(grid_of(plan_.flow)));
+    codebooks::Certificate certificate = certify(book);
+    certificate.met = certificate.met && status_ == Termination::converged;
+    calls_.save();
+    const std::string message = fmt::format(
+        "{}; {:.0f} % of all places are within {:.3g} at {} points, tolerance {:.3g}", record.message,
+        100.0 * kShareOfPlaces, certificate.max_error, certificate.points, certificate.tolerance);
+    const bool met = certificate.met;
+    return {book.with_certificate(std::move(certificate)), met, message, false};
+  }
+
+ private:
+  codebooks::SampledSource source() {
+    codebooks::SampledSource source;
+    for (const codebooks::BoxEntry& entry : plan_.box)
+      source.coordinates.push_back({entry.name, entry.name == "angle_of_attack" ? "rad" : "1"});
+    source.outputs = outputs_;
+    source.answers_name = "flow";
+    // The nodes stand where a trajectory has its times.
+    source.time_unit = "1";
+    source.answers = [this](const Eigen::MatrixXd& points, const std::vector<double>&) {
+      codebooks::SampledAnswers answers;
+      answers.values.resize(nodes_.size() * std::ssize(outputs_), points.cols());
+      for (Eigen::Index j = 0; j < points.cols(); ++j) {
+        const std::vector<double> point(points.col(j).begin(), points.col(j).end());
+        try {
+          const FlowResult result = solve_at(plan_, point, options_.progress);
+          answers.values.col(j) = fields_of(result, flow_case_at(plan_, point)).reshaped();
+        } catch (const NoResultError& error) {
+          answers.failure = error.what();
+          answers.values.conservativeResize(Eigen::NoChange, j);
+          break;
+        }
+      }
+      return answers;
+    };
+    return source;
+  }
+
+  /// outputs x nodes. @throws NoResultError where there is no flow
+  Eigen::MatrixXd fields_at(const std::vector<double>& point) {
+    const Eigen::Map<const Eigen::VectorXd> column(point.data(), static_cast<Eigen::Index>(point.size()));
+    const codebooks::CalledAnswers answer = calls_(column, {nodes_.begin(), nodes_.end()});
+    if (!answer.failure.empty()) {
+      calls_.save();
+      throw NoResultError(answer.failure);
+    }
+    return answer.values.reshaped(std::ssize(outputs_), nodes_.size());
+  }
+
+  std::vector<double> in_box(const std::vector<double>& unit) const {
+    std::vector<double> point(unit.size());
+    for (std::size_t k = 0; k < unit.size(); ++k) {
+      const codebooks::BoxEntry& entry = plan_.box[k];
+      point[k] = std::clamp(entry.lower + 0.5 * (1.0 + unit[k]) * (entry.upper - entry.lower), entry.lower,
+                            entry.upper);
+    }
+    return point;
+  }
+
+  /// Solves the flows of the grid that are not there yet.
+  void fill() {
+    grid_.for_missing([&](const std::vector<int>& numbers) {
+      grid_.put(numbers, fields_at(in_box(grid_.unit_of(numbers))).reshaped());
+      ++solved_;
+    });
+  }
+
+  Eigen::VectorXd scales() const {
+    Eigen::VectorXd lowest, highest;
+    for (const auto& [numbers, column] : grid_.columns()) {
+      const auto fields = column.reshaped(std::ssize(outputs_), nodes_.size());
+      const Eigen::VectorXd low = fields.rowwise().minCoeff(), high = fields.rowwise().maxCoeff();
+      lowest = lowest.size() == 0 ? low : lowest.cwiseMin(low).eval();
+      highest = highest.size() == 0 ? high : highest.cwiseMax(high).eval();
+    }
+    Eigen::VectorXd scales = highest - lowest;
+    for (Eigen::Index o = 0; o < scales.size(); ++o)
+      scales[o] = std::max(scales[o], field_floor(outputs_[static_cast<std::size_t>(o)].name));
+    return scales;
+  }
+
+  /// The next node along a coordinate, in the middle of the others.
+  std::vector<int> next_along(std::size_t coordinate) const {
+    std::vector<int> numbers(plan_.box.size(), LejaGrid::kMiddle);
+    numbers[coordinate] = grid_.counts()[coordinate];
+    return numbers;
+  }
+
+  /// How far the flow there is from what the grid foretells.
+  double surprise(std::size_t coordinate) {
+    const std::vector<int> numbers = next_along(coordinate);
+    const std::vector<double> unit = grid_.unit_of(numbers);
+    const Eigen::MatrixXd foretold = grid_.at(unit).reshaped(std::ssize(outputs_), nodes_.size());
+    if (!grid_.has(numbers)) {
+      grid_.put(numbers, fields_at(in_box(unit)).reshaped());
+      ++solved_;
+    }
+    const Eigen::MatrixXd found = grid_.column(numbers).reshaped(std::ssize(outputs_), nodes_.size());
+    return place_errors(foretold, found).cwiseQuotient(scales()).maxCoeff();
+  }
+
+  void grow() {
+    fill();
+    for (;;) {
+      status_ = Termination::max_calls;
+      long unknown = 0;
+      for (std::size_t k = 0; k < plan_.box.size(); ++k) unknown += grid_.has(next_along(k)) ? 0 : 1;
+      if (solved_ + unknown > plan_.max_calls) return;
+      std::vector<int> larger = grid_.counts();
+      worst_ = 0.0;
+      for (std::size_t k = 0; k < plan_.box.size(); ++k) {
+        const double error = surprise(k);
+        worst_ = std::max(worst_, error);
+        if (error > kForetold * plan_.relative) ++larger[k];
+      }
+      if (larger == grid_.counts()) {
+        status_ = Termination::converged;
+        // Of one coordinate the flow that was compared with is all that a larger grid needs.
+        if (larger.size() == 1) grid_.set_counts({larger[0] + 1});
+        return;
+      }
+      if (solved_ + grid_.missing(larger) > plan_.max_calls) return;
+      if (*std::ranges::max_element(larger) > LejaGrid::kMost) {
+        status_ = Termination::exhausted;
+        return;
+      }
+      grid_.set_counts(larger);
+      fill();
+    }
+  }
+
+  codebooks::BuildRecord record_of() const {
+    codebooks::BuildRecord record;
+    record.builder = "sampling";
+    record.strategy = "modes";
+    record.status = status_;
+    record.evaluations =
+        static_cast<double>(solved_ + options_.certificate_points.value_or(plan_.certificate_points));
+    record.grid_size = static_cast<double>(grid_.size());
+    record.rounds = 1;
+    std::string counts;
+    for (const int count : grid_.counts()) counts += fmt::format("{}{}", counts.empty() ? "" : " x ", count);
+    record.message =
+        fmt::format("{} flows; the next one along a coordinate differs by {:.3g} from what they foretell{}",
+                    counts, worst_,
+                    status_ == Termination::max_calls
+                        ? fmt::format(", and no more than {} flows were allowed", plan_.max_calls)
+                        : "");
+    return record;
+  }
+
+  codebooks::ModelDescription description() const {
+    codebooks::ModelDescription model;
+    model.name = kFieldBookModel;
+    model.title = "mean fields of the flow about a body";
+    model.equations = "those of samara flow (docs/flow.md)";
+    model.frames = "x along the stream, y up, from the body's centre, in body lengths";
+    model.source = "the plan";
+    const auto is_free = [&](const char* name) {
+      return std::ranges::count(plan_.box, name, &codebooks::BoxEntry::name) > 0;
+    };
+    if (!is_free("angle_of_attack")) {
+      model.fixed["angle_of_attack"] = plan_.flow.angle_of_attack;
+      model.fixed_units["angle_of_attack"] = "rad";
+    }
+    if (!is_free("log10_reynolds")) {
+      model.fixed["log10_reynolds"] = std::log10(plan_.flow.reynolds);
+      model.fixed_units["log10_reynolds"] = "1";
+    }
+    return model;
+  }
+
+  /// Every output by itself: its modes, of which those are left out that matter less than the tolerance.
+  codebooks::Piece::Groups groups() const {
+    std::vector<pgd::Axis> axes = {cell_axis(grid_of(plan_.flow))};
+    for (std::size_t k = 0; k < plan_.box.size(); ++k) {
+      const codebooks::BoxEntry& entry = plan_.box[k];
+      axes.push_back(pgd::Axis::chebyshev({entry.name, entry.name == "angle_of_attack" ? "rad" : "1"},
+                                          entry.lower, entry.upper, grid_.counts()[k]));
+    }
+    const Eigen::MatrixXd snapshots = grid_.on_chebyshev_points();  // (outputs nodes) x grid
+    const Eigen::VectorXd scale = scales();
+    codebooks::Piece::Groups groups;
+    for (Eigen::Index o = 0; o < std::ssize(outputs_); ++o) {
+      const Eigen::MatrixXd values =
+          snapshots(Eigen::seqN(o, nodes_.size(), std::ssize(outputs_)), Eigen::all);
+      const double allowed =
+          kTruncated * plan_.relative * scale[o] * std::sqrt(static_cast<double>(values.size()));
+      pgd::TensorTrain train = pgd::to_train(values, grid_.counts(), allowed);
+      pgd::TrainCore one(1, 1, 1);
+      one.data.setOnes();
+      train.cores.insert(train.cores.begin(), std::move(one));
+      groups.emplace_back(pgd::TrainField(axes, {outputs_[static_cast<std::size_t>(o)]}, std::move(train)));
+    }
+    return groups;
+  }
+
+  codebooks::Certificate certify(const codebooks::Codebook& book) {
+    codebooks::CertifyOptions certify;
+    certify.points = options_.certificate_points.value_or(plan_.certificate_points);
+    certify.seed = book_plan_.certificate_seed();
+    certify.tolerance = plan_.relative;
+    certify.absolute = book_plan_.absolute;
+    codebooks::ComparedPoints points{codebooks::certificate_points(book, certify.points, certify.seed), {}};
+    codebooks::Query query(book);
+    Eigen::MatrixXd asked(book.coordinate_count(), nodes_.size()),
+        answers(book.output_count(), nodes_.size());
+    asked.row(0) = nodes_.transpose();
+    std::vector<Anywhere> anywhere(outputs_.size());
+    for (Eigen::Index i = 0; i < points.q.cols(); ++i) {
+      const std::vector<double> point(points.q.col(i).begin() + 1, points.q.col(i).end());
+      const Eigen::MatrixXd found = fields_at(point);
+      for (std::size_t k = 0; k < point.size(); ++k)
+        asked.row(static_cast<Eigen::Index>(k) + 1).setConstant(point[k]);
+      query.batch(asked, answers);
+      codebooks::PointErrors errors = codebooks::compared_rows(answers.transpose(), found.transpose());
+      for (std::size_t o = 0; o < outputs_.size(); ++o)
+        anywhere[o].take(errors.max_error[static_cast<Eigen::Index>(o)], errors.worst_time[o], point);
+      errors.max_error = place_errors(answers, found);
+      points.errors.push_back(std::move(errors));
+    }
+    codebooks::Certificate certificate = codebooks::certificate_of(points, {}, book, certify, {});
+    certificate.places = static_cast<int>(nodes_.size());
+    certificate.integrator = fmt::format(
+        "flows that the builder did not see, on the same grid; an error is what {:.0f} % of the places at a "
+        "point "
+        "keep below; the largest anywhere, over the range, are",
+        100.0 * kShareOfPlaces);
+    for (std::size_t o = 0; o < outputs_.size(); ++o) {
+      codebooks::OutputError& output = certificate.outputs[o];
+      certificate.integrator +=
+          fmt::format("{} {} {:.3g}", o == 0 ? "" : ",", output.name, anywhere[o].error / output.range);
+      output.worst = anywhere[o].where;
+    }
+    return certificate;
+  }
+
+  /// The largest error of an output, and where it is.
+  struct Anywhere {
+    double error = -1.0;
+    std::vector<double> where;
+
+    void take(double candidate, int node, const std::vector<double>& point) {
+      if (candidate <= error) return;
+      error = candidate;
+      where = {static_cast<double>(node)};
+      where.insert(where.end(), point.begin(), point.end());
+    }
+  };
+
+  const FlowPlan& plan_;
+  codebooks::Plan book_plan_;
+  const codebooks::BuildOptions& options_;
+  std::vector<pgd::OutputLabel> outputs_;
+  Eigen::VectorXd nodes_;
+  codebooks::CallMemory calls_;
+  LejaGrid grid_;
+  long solved_ = 0;
+  double worst_ = 0.0;
+  Termination status_ = Termination::converged;
+};
+
+/// Means of a finer grid of half the spacing over the cells of a coarser one, by nodes.
+Eigen::VectorXd coarsened(const MacGrid& coarse, const MacGrid& fine, const Eigen::VectorXd& values) {
+  Eigen::VectorXd means = Eigen::VectorXd::Zero(coarse.cell_count());
+  const auto node = [](const MacGrid& grid, int i, int j, int k) {
+    return i + Eigen::Index{grid.cells[0]} * (j + Eigen::Index{grid.cells[1]} * k);
+  };
+  const bool in_space = coarse.dimensions == 3;
+  const double share = in_space ? 0.125 : 0.25;
+  for (int k = 0; k < fine.cells[2]; ++k) {
+    for (int j = 0; j < fine.cells[1]; ++j) {
+      for (int i = 0; i < fine.cells[0]; ++i)
+        means[node(coarse, i / 2, j / 2, in_space ? k / 2 : 0)] += share * values[node(fine, i, j, k)];
+    }
+  }
+  return means;
+}
+
+}  // namespace
+
+std::vector<pgd::OutputLabel> field_outputs(const FlowCase& flow) {
+  std::vector<pgd::OutputLabel> outputs = {{"u"}, {"v"}};
+  if (flow.shape.dimensions == 3) outputs.push_back({"w"});
+  outputs.push_back({"p"});
+  if (flow.turbulence == TurbulenceModel::none) {
+    outputs.push_back({"k"});
+  } else {
+    outputs.push_back({"log10_k"});
+    outputs.push_back({"log10_epsilon"});
+  }
+  return outputs;
+}
+
+codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
+  if (plan.box.empty()) throw ArgumentError("a book of fields needs a box, which the plan does not have");
+  const long least = plan.box.size() == 1 ? 4 : 11;
+  require(plan.max_calls >= least, "max_calls", plan.max_calls,
+          fmt::format("at least {}, the first grid and a flow along each coordinate", least),
+          "a book of fields");
+  // With twice the cells, too, which field_discretisation() will ask for: after hours it would be late to say so.
+  FlowPlan finer = plan;
+  finer.flow.cells_per_length *= 2;
+  const auto [lower, upper] = corners_of(plan);
+  for (const auto& corner : {lower, upper}) {
+    check_case(flow_case_at(plan, corner), plan.max_memory);
+    check_case(flow_case_at(finer, corner), plan.max_memory);
+  }
+  return FieldBuilder(plan, options).run();
+}
+
+Eigen::VectorXd field_discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
+                                     const ProgressCallback& progress) {
+  FlowPlan finer = plan;
+  finer.flow.cells_per_length *= 2;
+  const MacGrid coarse_grid = grid_of(plan.flow), fine_grid = grid_of(finer.flow);
+  const Eigen::Index nodes = coarse_grid.cell_count();
+  codebooks::Query query(book);
+  Eigen::MatrixXd asked(book.coordinate_count(), nodes);
+  asked.row(0) = Eigen::RowVectorXd::LinSpaced(nodes, 0.0, static_cast<double>(nodes - 1));
+  std::vector<Eigen::MatrixXd> coarse, fine;
+  const auto [lower, upper] = corners_of(plan);
+  for (const auto& corner : {lower, upper}) {
+    for (std::size_t k = 0; k < corner.size(); ++k)
+      asked.row(static_cast<Eigen::Index>(k) + 1).setConstant(corner[k]);
+    coarse.emplace_back(book.output_count(), nodes);
+    query.batch(asked, coarse.back());
+    const Eigen::MatrixXd found = fields_of(solve_at(finer, corner, progress), flow_case_at(finer, corner));
+    Eigen::MatrixXd& mean = fine.emplace_back(found.rows(), nodes);
+    for (Eigen::Index o = 0; o < found.rows(); ++o)
+      mean.row(o) = coarsened(coarse_grid, fine_grid, found.row(o).transpose()).transpose();
+  }
+  Eigen::VectorXd change(book.output_count());
+  for (Eigen::Index o = 0; o < change.size(); ++o) {
+    const double low = std::min(coarse[0].row(o).minCoeff(), coarse[1].row(o).minCoeff());
+    const double high = std::max(coarse[0].row(o).maxCoeff(), coarse[1].row(o).maxCoeff());
+    const double scale = std::max(high - low, field_floor(book.outputs()[static_cast<std::size_t>(o)].name));
+    const auto rms = [&](std::size_t end) {
+      return std::sqrt((fine[end].row(o) - coarse[end].row(o)).squaredNorm() / static_cast<double>(nodes));
+    };
+    change[o] = std::max(rms(0), rms(1)) / scale;
+  }
+  return change;
+}
+
+}  // namespace samara::flow

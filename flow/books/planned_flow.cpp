@@ -1,0 +1,52 @@
+#include "samara/flow/books/planned_flow.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+
+namespace samara::flow {
+
+FlowCase flow_case_at(const FlowPlan& plan, const std::vector<double>& point) {
+  FlowCase flow = plan.flow;
+  for (std::size_t k = 0; k < plan.box.size(); ++k) {
+    if (plan.box[k].name == "angle_of_attack") {
+      flow.angle_of_attack = point[k];
+    } else {
+      flow.reynolds = std::pow(10.0, point[k]);
+    }
+  }
+  return flow;
+}
+
+FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point,
+                    const ProgressCallback& progress) {
+  const FlowCase flow = flow_case_at(plan, point);
+  FlowOptions options;
+  options.end = plan.end;
+  options.max_time = plan.max_time;
+  options.max_memory = plan.max_memory;
+  options.seed = plan.seed;
+  options.threads = plan.threads;
+  const std::string where = fmt::format("flow at {:.4g} rad, Re {:.4g}", flow.angle_of_attack, flow.reynolds);
+  if (progress) {
+    options.progress = [&](const Progress& report) { return progress({where, report.fraction}); };
+  }
+  FlowResult result = solve_flow(flow, options);
+  if (result.status != FlowStatus::steady && result.status != FlowStatus::averaged)
+    throw NoResultError(
+        fmt::format("the {} ends as \"{}\": {}", where, to_string(result.status), result.message));
+  return result;
+}
+
+std::pair<std::vector<double>, std::vector<double>> corners_of(const FlowPlan& plan) {
+  std::pair<std::vector<double>, std::vector<double>> corners;
+  for (const codebooks::BoxEntry& entry : plan.box) {
+    corners.first.push_back(entry.lower);
+    corners.second.push_back(entry.upper);
+  }
+  return corners;
+}
+
+}  // namespace samara::flow

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "samara/flow/files/flow_plan.h"
+
+/// The flows that a book of a plan stands for.
+namespace samara::flow {
+
+/// The plan's flow at values of its box, in its order (angle_of_attack [rad], log10_reynolds).
+FlowCase flow_case_at(const FlowPlan& plan, const std::vector<double>& point);
+
+/// The same, solved. @throws NoResultError if it is neither steady nor averaged in the end
+FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point, const ProgressCallback& progress);
+
+/// Lower and upper corner of the plan's box.
+std::pair<std::vector<double>, std::vector<double>> corners_of(const FlowPlan& plan);
+
+}  // namespace samara::flow

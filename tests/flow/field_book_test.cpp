@@ -1,0 +1,155 @@
+#include "samara/flow/books/field_book.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/query/place_query.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/flow/books/cell_mesh.h"
+#include "samara/flow/books/field_flow.h"
+#include "samara/flow/books/leja_grid.h"
+
+using namespace samara;
+using namespace samara::flow;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+const char* const kPlan = R"(title = "an ellipse that turns"
+[flow]
+shape = { kind = "ellipse", length = 1, thickness = 0.5 }
+reynolds = 20
+turbulence = "none"
+cells_per_length = 4
+extent = { before = 1.5, behind = 2, side = 1.5 }
+end = "steady"
+max_time = 100
+[box]
+angle_of_attack = ["0 deg", "30 deg"]
+[book]
+kind = "fields"
+certificate_points = 2
+[tolerance]
+relative = 0.04
+)";
+
+struct Built {
+  FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  codebooks::BuildResult result = build_field_book(plan);
+};
+
+const Built& built() {
+  static const Built book;
+  return book;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a grid of Leja points interpolates polynomials of its degree, and is the same on Chebyshev points") {
+  LejaGrid grid(2);
+  grid.set_counts({3, 4});
+  const auto polynomial = [](double x, double y) { return 1.0 + x * x - 2.0 * x * y + y * y * y; };
+  CHECK(grid.missing({3, 4}) == 12);
+  grid.for_missing([&](const std::vector<int>& numbers) {
+    const std::vector<double> unit = grid.unit_of(numbers);
+    grid.put(numbers, Eigen::VectorXd::Constant(1, polynomial(unit[0], unit[1])));
+  });
+  CHECK_THAT(grid.at({0.3, -0.7})[0], WithinAbs(polynomial(0.3, -0.7), 1e-13));
+  const Eigen::MatrixXd moved = grid.on_chebyshev_points();
+  // Number 1 of 3 and number 2 of 4.
+  CHECK_THAT(moved(0, 1 + 3 * 2), WithinAbs(polynomial(0.0, -std::cos(std::numbers::pi * 2 / 3)), 1e-13));
+  // A larger grid keeps what is there.
+  CHECK(grid.missing({3, 5}) == 3);
+}
+
+TEST_CASE("cells fill the box of their centres, and closed ones go on from the surface") {
+  for (const int dimensions : {2, 3}) {
+    const MacGrid grid(dimensions, {5, 4, dimensions == 3 ? 3 : 1}, 0.5, Eigen::Vector3d(-1.0, -1.0, 0.0));
+    const codebooks::SpaceMesh mesh = cell_mesh(grid);
+    CHECK(mesh.node_count() == grid.cell_count());
+    // Each simplex holds a sixth of a cube or half a square.
+    const double volume =
+        static_cast<double>(mesh.cells().cols()) * std::pow(0.5, dimensions) / (dimensions == 3 ? 6.0 : 2.0);
+    CHECK_THAT(volume, WithinAbs((mesh.upper() - mesh.lower()).prod(), 1e-12));
+    CHECK_THAT(cell_axis(grid).measure(),
+               WithinAbs(static_cast<double>(grid.cell_count()) * std::pow(0.5, dimensions), 1e-12));
+    const Eigen::VectorXd numbers = Eigen::VectorXd::LinSpaced(grid.cell_count(), 1.0, 2.0);
+    CHECK(cells_in_order(grid, field_in_order(grid, numbers)) == numbers);
+  }
+  const MacGrid grid(2, {8, 8, 1}, 0.5, Eigen::Vector3d(-2.0, -2.0, 0.0));
+  Borders borders;
+  const Openness body =
+      measure_openness(grid, borders, PlacedShape(rectangle_section(2.0, 2.0), Eigen::Vector3d::Zero(), 0.0));
+  Field field = grid.field();
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 8; ++i) {
+      const auto c = static_cast<std::size_t>(grid.at(i, j));
+      field[c] = body.inverse_cell[c] > 0.0 ? 3.0 : -1e9;
+    }
+  }
+  continue_into_body(grid, body, field);
+  CHECK(cells_in_order(grid, field) == Eigen::VectorXd::Constant(64, 3.0));
+}
+
+TEST_CASE("a codebook of fields has the flows that its builder solved, and is near those it did not see") {
+  const codebooks::BuildResult& result = built().result;
+  INFO(result.message);
+  CHECK(result.met);
+  const codebooks::Certificate& certificate = *result.book.certificate();
+  CHECK(certificate.points == 2);
+  CHECK(certificate.places == 14 * 12);
+  // What is told beside the 95 %: of every output the largest error anywhere.
+  for (const pgd::OutputLabel& output : field_outputs(built().plan.flow))
+    CHECK_THAT(certificate.integrator, Contains(" " + output.name + " "));
+  FlowCase flow = built().plan.flow;
+  flow.angle_of_attack = 30.0 / 180.0 * std::numbers::pi;
+  const FlowResult solved = solve_flow(flow, {.end = FlowEnd::steady, .max_time = 100.0});
+  const StoredFlow stored = flow_of(result.book, {{"angle_of_attack", flow.angle_of_attack}}, "book.h5");
+  const std::vector<CentreField> centres = centre_fields(solved);
+  for (const char* name : {"u", "v"}) {
+    const Eigen::VectorXd expected =
+        cells_in_order(solved.grid, std::ranges::find(centres, name, &CentreField::name)->values);
+    const Eigen::VectorXd found = cells_in_order(stored.grid, stored.field(name).values);
+    // An end of the box is a node: only truncated modes are between them, 0.2 % of the range in the mean.
+    CHECK(std::sqrt((found - expected).squaredNorm() / static_cast<double>(found.size())) < 0.004);
+  }
+  CHECK(stored.open == solved.body.cell);
+  CHECK(std::isnan(stored.summary.drag));
+}
+
+TEST_CASE("a codebook of fields is asked at places, with gradients by the angle") {
+  codebooks::PlaceQuery query(built().result.book);
+  REQUIRE(query.coordinates().size() == 3);
+  Eigen::VectorXd values(4), ahead(4);
+  Eigen::MatrixXd gradient(4, 3);
+  query.values(std::vector{1.1, 0.2, 0.3}, values, gradient);
+  query.values(std::vector{1.1, 0.2, 0.3 + 1e-5}, ahead);
+  for (Eigen::Index o = 0; o < 4; ++o)
+    CHECK_THAT(gradient(o, 2),
+               WithinAbs((ahead[o] - values[o]) / 1e-5, 1e-3 * (1.0 + std::abs(gradient(o, 2)))));
+}
+
+TEST_CASE("what is no flow of a codebook of fields is refused") {
+  const codebooks::Codebook& book = built().result.book;
+  CHECK_THROWS_WITH(flow_of(book, {}, "book.h5"),
+                    Contains("book.h5 needs a value of angle_of_attack, from 0 to 0.523599"));
+  CHECK_THROWS_AS(flow_of(book, {{"angle_of_attack", 1.0}}, "book.h5"), OutsideBoxError);
+  CHECK_THROWS_WITH(flow_of(book, {{"angle_of_attack", 0.1}, {"log10_reynolds", 3.0}}, "book.h5"),
+                    Contains("log10_reynolds"));
+  FlowPlan plan = built().plan;
+  plan.box.clear();
+  CHECK_THROWS_WITH(build_field_book(plan), Contains("needs a box"));
+  // Fewer flows than a first grid takes give a book that says so.
+  FlowPlan few = built().plan;
+  few.max_calls = 4;
+  few.relative = 1e-4;
+  few.certificate_points = 1;
+  const codebooks::BuildResult missed = build_field_book(few);
+  CHECK_FALSE(missed.met);
+  CHECK_THAT(missed.message, Contains("no more than 4 flows were allowed"));
+}
