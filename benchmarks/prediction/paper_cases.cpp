@@ -88,20 +88,19 @@ SplitScores one_split(const std::string& test_case, const std::vector<Capture>& 
                      asked(windows.fitted, windows.unseen, drops));
 }
 
+constexpr const char* kBound = "paper_bound";
+
 /// What a perfect model could reach: windows of motions that the body made itself, with the source's noise and its
 /// mean over five frames, predicted by the same body with the same coefficients. What is left is the start, which
-/// positions alone must show.
-void bound_case(const Options& options) {
-  constexpr const char* kCase = "paper_bound";
+/// positions alone must show. Bodies are the discs that stand for the sheets of a shape, and fall as these began to.
+void bound_of(const std::string& shape, const std::string& plural, const std::filesystem::path& folder) {
   constexpr double kJitter = 0.2e-3;  // m, of the source's smoothed frames
-  const auto folder = identification::measured_set(options, kCase, "falling-paper-cambridge");
-  if (!folder) return;
   const identification::Coefficients coefficients = {
       {"C_D0", 0.06}, {"C_D90", 5.1}, {"C_R", 0.95}, {"C_T", 0.6}, {"C_w", 1.5}};  // about those of the discs
   const auto family = identification::paper_family();
   const FitOptions body = options_of_fit();
   std::vector<Window> windows =
-      identification::split(identification::paper_drops(*folder), kDrops, kFrames, 1).unseen;
+      identification::split(identification::paper_drops(folder, shape), kDrops, kFrames, 1).unseen;
   const auto states = identification::predict_unseen(*family, body, coefficients, windows);
   const FitOptions held = identification::with_coefficients(body, coefficients);
   std::vector<Window> made;
@@ -121,17 +120,21 @@ void bound_case(const Options& options) {
     made.push_back(std::move(window));
   }
   const std::vector<double> errors = identification::predict_unseen(*family, body, coefficients, made).errors;
-  print({kBench, kCase, "median", identification::median_of(errors), "m"});
-  print({kBench, kCase, "rms", identification::rms_of(errors), "m"});
+  print({kBench, kBound, "median_" + plural, identification::median_of(errors), "m"});
+  print({kBench, kBound, "rms_" + plural, identification::rms_of(errors), "m"});
 }
+
+struct Shape {
+  std::string name, plural;
+};
+const std::vector<Shape> kShapes = {
+    {"circle", "discs"}, {"square", "squares"}, {"hexagon", "hexagons"}, {"cross", "crosses"}};
 
 }  // namespace
 
 void paper_cases(const Options& options) {
-  for (const char* const shape : {"circle", "square", "hexagon", "cross"}) {
-    const std::string test_case = shape == std::string("circle")  ? "paper_discs"
-                                  : shape == std::string("cross") ? "paper_crosses"
-                                                                  : fmt::format("paper_{}s", shape);
+  for (const auto& [shape, plural] : kShapes) {
+    const std::string test_case = "paper_" + plural;
     const auto folder = identification::measured_set(options, test_case, "falling-paper-cambridge");
     if (!folder) continue;
     const std::vector<Capture> drops = identification::paper_drops(*folder, shape);
@@ -140,7 +143,10 @@ void paper_cases(const Options& options) {
       splits.push_back(one_split(test_case, drops, seed));
     report(test_case, splits);
   }
-  bound_case(options);
+  const auto folder = identification::measured_set(options, kBound, "falling-paper-cambridge");
+  for (const auto& [shape, plural] : kShapes) {
+    if (folder) bound_of(shape, plural, *folder);
+  }
 }
 
 }  // namespace samara::benchmarks::prediction
