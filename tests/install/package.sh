@@ -48,7 +48,7 @@ for file in bash-completion/completions/samara zsh/vendor-completions/_samara fi
 done
 use samara build "$examples/coin/plan.toml" -o "$place/coin.h5" | head -1
 use samara query "$place/coin.h5" --set C_D=1.15 --set "v(0)=10 cm/s" --at 0.3
-use samara fit "$place/coin.h5" "$examples/coin/coin.toml" --config "$examples/coin/fit.toml" --span "0.4 s" | grep "^C_D *1\.17 "
+use samara fit "$place/coin.h5" "$examples/coin/coin.toml" --config "$examples/coin/fit.toml" --span "0.4 s" | grep "^C_D *1\.169 "
 
 if [ -n "$root" ]; then
   chroot "$root" sh -c "cd / && gcc $examples/c_interface/ask.c \$(pkg-config --cflags --libs samara) -o trial/ask && trial/ask trial/coin.h5 0.3 1.15 0.1"
