@@ -6,7 +6,7 @@
 #include "options/commands.h"
 #include "samara/base/errors.h"
 #include "samara/models/interface/parametric_model.h"
-#include "samara/motion/patterns/regime.h"
+#include "samara/motion/patterns/disc_phase_diagram.h"
 #include "samara/motion/sweeps/phase_diagram.h"
 #include "samara/motion/sweeps/sweep_file.h"
 #include "terminal/terminal.h"

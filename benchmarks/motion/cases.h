@@ -7,7 +7,7 @@
 
 #include "report.h"
 #include "samara/motion/patterns/agreement.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 namespace samara::benchmarks::motion_cases {
 

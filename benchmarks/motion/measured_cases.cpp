@@ -12,8 +12,8 @@
 #include "motion/decision_tree.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/io/delimited_table.h"
+#include "samara/motion/patterns/disc_phase_diagram.h"
 #include "samara/motion/patterns/labelled_segments.h"
-#include "samara/motion/patterns/regime.h"
 
 namespace samara::benchmarks::motion_cases {
 

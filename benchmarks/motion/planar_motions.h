@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 namespace samara::benchmarks::motion_cases {
 

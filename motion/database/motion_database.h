@@ -10,7 +10,7 @@
 
 #include "samara/motion/chains/markov_chain.h"
 #include "samara/motion/events/event_finder.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 #include "samara/motion/sweeps/sweep.h"
 
 /// Motions as a store to go on from: runs of a model with their coefficients, cut at events into segments.

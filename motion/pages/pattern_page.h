@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "samara/motion/patterns/regime.h"
+#include "samara/motion/patterns/disc_phase_diagram.h"
 #include "samara/motion/sweeps/sweep.h"
 
 /// The page for the browser that `samara patterns --report` writes, complete in one file: the diagram of Re and I* with

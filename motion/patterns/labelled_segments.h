@@ -7,7 +7,7 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/motion/patterns/agreement.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 /// A person's labels of parts of captures, and how far the rule agrees with them.
 namespace samara::motion {

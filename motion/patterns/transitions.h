@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 namespace samara::motion {
 

@@ -11,7 +11,7 @@
 #include "samara/motion/chains/markov_chain.h"
 #include "samara/motion/database/motion_database.h"
 #include "samara/motion/events/event_finder.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 /// Which kinds of segments, or which patterns, a fall is asked to have, one after the other: given, or drawn from a
 /// chain.

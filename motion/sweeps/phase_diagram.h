@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "samara/motion/patterns/regime.h"
+#include "samara/motion/patterns/disc_phase_diagram.h"
 #include "samara/motion/patterns/share.h"
 #include "samara/motion/sweeps/sweep.h"
 

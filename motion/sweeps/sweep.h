@@ -9,7 +9,7 @@
 
 #include "samara/base/progress.h"
 #include "samara/models/batch/batch.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 #include "samara/motion/sweeps/sweep_plan.h"
 
 namespace samara::motion {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "samara/models/interface/parametric_model.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 /// A sweep: the same fall at many points of a box of coordinates, from one or several releases.
 namespace samara::motion {

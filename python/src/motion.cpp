@@ -22,7 +22,7 @@
 #include "samara/identification/captures/capture_file.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/motion/pages/pattern_page.h"
-#include "samara/motion/patterns/regime.h"
+#include "samara/motion/patterns/disc_phase_diagram.h"
 #include "samara/motion/patterns/transitions.h"
 #include "samara/motion/sweeps/landing.h"
 #include "samara/motion/sweeps/pattern_map.h"

@@ -8,7 +8,7 @@
 #include <pybind11/pybind11.h>
 
 #include "samara/identification/captures/capture.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 /// What the files of this room take from Python alike.
 namespace samara::python {

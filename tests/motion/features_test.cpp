@@ -6,7 +6,7 @@
 #include "known_motions.h"
 #include "samara/base/streams.h"
 #include "samara/models/bodies/kinematic_paths.h"
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 #include "samara/motion/records/even_frames.h"
 #include "tests/error_text.h"
 

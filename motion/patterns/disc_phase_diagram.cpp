@@ -1,4 +1,4 @@
-#include "samara/motion/patterns/regime.h"
+#include "samara/motion/patterns/disc_phase_diagram.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // The measured phase diagram.
-#include "samara/motion/patterns/regime.h"
+#include "samara/motion/patterns/disc_phase_diagram.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // The rule: known motions, and that it says so when it cannot know.
-#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/patterns/pattern_rules.h"
 
 #include <array>
 
