@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -10,8 +9,7 @@
 
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
-#include "samara/io/atomic_file.h"
-#include "samara/io/glb.h"
+#include "samara/io/animated_scene.h"
 #include "terminal/terminal.h"
 
 namespace samara::apps {
@@ -112,8 +110,7 @@ void write_cloud_animation(const std::string& path, const CloudFile& file, const
                  {"integrator", "rk4"},
                  {"step", fmt::format("{} s", file.step)}};
   scene.parameters = file.model.fixed();
-  const bool is_glb = std::filesystem::path(path).extension() == ".glb";
-  io::write_text_atomically(path, is_glb ? io::format_glb(scene) : io::format_usda(scene));
+  io::write_scene(path, scene);
 }
 
 }  // namespace samara::apps

@@ -19,6 +19,7 @@
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/source/checkpoint.h"
+#include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
 #include "samara/io/text_file.h"
@@ -99,7 +100,7 @@ models::RealiseOptions options_of(const SimulateArguments& arguments, const mode
       throw ArgumentError(fmt::format("--relative-error is {}, expected more than 0", words.relative_error));
   }
   // An animation is of all flights, as far as viewers bear them.
-  if (names_animation(arguments.output) && words.keep.empty())
+  if (io::is_scene_name(arguments.output) && words.keep.empty())
     options.keep = std::min(options.realisations, kMostAnimatedFlights);
   // A picture shows some paths.
   if (!words.picture.empty()) options.keep = std::max(options.keep, kPathsInPicture);
@@ -123,7 +124,7 @@ void check_outputs(const SimulateArguments& arguments) {
   if (!picture.empty() && std::filesystem::path(picture).extension() != ".svg")
     throw ArgumentError(fmt::format("--picture is {}, expected a name that ends in .svg", picture));
   const std::string ending = std::filesystem::path(arguments.output).extension();
-  const bool is_animation = names_animation(arguments.output);
+  const bool is_animation = io::is_scene_name(arguments.output);
   if (!arguments.output.empty() && ending != ".h5" && ending != ".csv" && !is_animation)
     throw ArgumentError(fmt::format("--output is {}, expected a name that ends in .csv, .h5, .glb or .usda",
                                     arguments.output));
@@ -291,7 +292,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   const models::RealiseOptions options = options_of(arguments, model);
   check_outputs(arguments);
   std::optional<models::TriangleMesh> body;
-  if (names_animation(arguments.output)) {
+  if (io::is_scene_name(arguments.output)) {
     animated_states(model.model().info());
     body = animated_body({arguments.body.body, arguments.body.sizes, arguments.body.unit}, model, {});
   }

@@ -16,6 +16,7 @@
 #include "samara/codebooks/query/derived_query.h"
 #include "samara/codebooks/query/place_query.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/io/animated_scene.h"
 #include "samara/io/csv.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
@@ -223,7 +224,7 @@ int run(const QueryArguments& arguments) {
     check_output(arguments.output, {arguments.book, arguments.points, arguments.second});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
-  if (names_animation(arguments.output)) return run_animated(arguments, book);
+  if (io::is_scene_name(arguments.output)) return run_animated(arguments, book);
   for (const std::string& text : arguments.body.sizes) number_or_quantity("--size", text, "m");
   if (!arguments.body.body.empty() || !arguments.body.sizes.empty() || !arguments.body.unit.empty())
     throw ArgumentError(

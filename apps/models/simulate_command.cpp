@@ -13,6 +13,7 @@
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/model_file.h"
+#include "samara/io/animated_scene.h"
 #include "samara/io/csv.h"
 #include "samara/models/trajectories/integrator_trajectories.h"
 #include "terminal/output.h"
@@ -196,7 +197,7 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
         "--size, --unit, --density, --fluid and --added-mass are of a body: --body was expected");
   }
   // Without densities it is only what is drawn.
-  if (names_animation(arguments.output) && words.density.empty() && words.fluid.empty() &&
+  if (io::is_scene_name(arguments.output) && words.density.empty() && words.fluid.empty() &&
       words.added_mass.empty())
     return {};
   if (info.name != "kirchhoff_body")
@@ -259,7 +260,7 @@ int run(const SimulateArguments& arguments) {
   if (!arguments.cloud.realisations.empty()) return fly_cloud(arguments, parametric, times);
   const auto family =
       models::integrator_trajectories(steered.model, steered.values, {}, integrator_of(arguments, info));
-  if (names_animation(arguments.output)) return animate(arguments, parametric, *family, end);
+  if (io::is_scene_name(arguments.output)) return animate(arguments, parametric, *family, end);
   const models::FamilyTrajectory trajectory =
       models::trajectory(*family, {}, {times.begin(), times.end()}, models::output_names(family->info()));
 

@@ -8,6 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/identification/series/series_codebook.h"
+#include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
 #include "samara/io/file_lock.h"
@@ -25,7 +26,7 @@ namespace {
 
 void check_outputs(const SynthesizeArguments& arguments) {
   const bool is_csv = std::filesystem::path(arguments.output).extension() == ".csv";
-  if (!is_csv && !names_animation(arguments.output)) {
+  if (!is_csv && !io::is_scene_name(arguments.output)) {
     throw ArgumentError(
         fmt::format("-o is \"{}\", expected a name that ends in .glb, .usda or .csv", arguments.output));
   }
@@ -54,7 +55,7 @@ std::map<std::string, double> others(const motion::MotionPlan& plan) {
 
 /// What a .glb or .usda shows; nothing of another output.
 Animation animation_of(const SynthesizeArguments& arguments, const motion::MotionPlan& plan) {
-  if (!names_animation(arguments.output)) return {};
+  if (!io::is_scene_name(arguments.output)) return {};
   const models::ModelInfo& info = plan.model->info();
   return {.states = animated_states(info),
           .body = animated_body(arguments.body, models::ParametricModel(plan.model, plan.fixed, {}), {}),
@@ -66,7 +67,7 @@ Animation animation_of(const SynthesizeArguments& arguments, const motion::Motio
 /// The motion itself: integrated again, a long one would be another.
 void write_motion(const SynthesizeArguments& arguments, const motion::MotionPlan& plan,
                   const motion::MotionResult& motion, const Animation& animation) {
-  if (!names_animation(arguments.output))
+  if (!io::is_scene_name(arguments.output))
     return io::write_text_atomically(arguments.output, states_csv(plan, motion));
   write_animation(arguments.output, animation, plan.model->info(), motion.times, motion.states);
 }

@@ -1,14 +1,12 @@
 #include "pictures/animation.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "pictures/shown_bodies.h"
 #include "samara/base/errors.h"
-#include "samara/io/atomic_file.h"
-#include "samara/io/glb.h"
+#include "samara/io/animated_scene.h"
 #include "samara/models/bodies/pose_keys.h"
 #include "samara/models/bodies/shown_body.h"
 #include "terminal/terminal.h"
@@ -41,7 +39,7 @@ models::TrajectoryOutcome outcome_of(const Animation& animation) {
       .outcome;
 }
 
-io::AnimatedBody body_of(const models::PoseKeys& keys) {
+io::AnimatedBody animated_track(const models::PoseKeys& keys) {
   const auto count = std::ssize(keys.times);
   io::AnimatedBody body{.name = "body",
                         .times = Eigen::Map<const Eigen::VectorXd>(keys.times.data(), count),
@@ -62,20 +60,14 @@ void write_keys(const std::string& path, const Animation& animation, const model
   io::AnimatedScene scene{.name = animation.model,
                           .vertices = animation.body.vertices,
                           .triangles = animation.body.triangles,
-                          .bodies = {body_of(keys)},
+                          .bodies = {animated_track(keys)},
                           .notes = animation.notes,
                           .parameters = animation.parameters};
   scene.notes.insert(scene.notes.begin(), {"model", animation.model});
-  const bool is_glb = std::filesystem::path(path).extension() == ".glb";
-  io::write_text_atomically(path, is_glb ? io::format_glb(scene) : io::format_usda(scene));
+  io::write_scene(path, scene);
 }
 
 }  // namespace
-
-bool names_animation(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension().string();
-  return ending == ".glb" || ending == ".usda";
-}
 
 models::PoseStates animated_states(const models::ModelInfo& info) {
   const auto states = models::pose_states_of(info);

@@ -28,9 +28,6 @@ struct Animation {
   std::vector<double> q = {};  ///< its point
 };
 
-/// By its ending.
-bool names_animation(const std::string& path);
-
 /// The pose of a model. @throws ArgumentError if it moves no body
 models::PoseStates animated_states(const models::ModelInfo& info);
 

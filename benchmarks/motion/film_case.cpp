@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "motion/cases.h"
+#include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
-#include "samara/io/glb.h"
 #include "samara/models/bodies/pose_keys.h"
 #include "samara/models/bodies/shown_body.h"
 #include "samara/motion/bodies/bodies.h"

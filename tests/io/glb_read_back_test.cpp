@@ -6,7 +6,7 @@
 #include <assimp/scene.h>
 #include <catch2/catch.hpp>
 
-#include "samara/io/glb.h"
+#include "samara/io/animated_scene.h"
 
 namespace {
 

@@ -1,5 +1,7 @@
-#include "samara/io/glb.h"
+#include "samara/io/animated_scene.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -10,12 +12,26 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/io/atomic_file.h"
 
 namespace samara::io {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// A format by the ending of its files.
+struct SceneFormat {
+  std::string_view ending;
+  std::string (*format)(const AnimatedScene&);
+};
+
+constexpr std::array<SceneFormat, 2> kSceneFormats = {{{".glb", format_glb}, {".usda", format_usda}}};
+
+const SceneFormat* format_of(const std::filesystem::path& path) {
+  const auto* const found = std::ranges::find(kSceneFormats, path.extension().string(), &SceneFormat::ending);
+  return found == kSceneFormats.end() ? nullptr : found;
+}
 
 bool fits_floats(const Eigen::Ref<const Eigen::MatrixXd>& numbers) {
   return numbers.array().isFinite().all() &&
@@ -268,6 +284,18 @@ std::string format_usda(const AnimatedScene& scene) {
     text += "        uniform token[] xformOpOrder = [\"xformOp:translate\", \"xformOp:orient\"]\n    }\n";
   }
   return text + "}\n";
+}
+
+bool is_scene_name(const std::filesystem::path& path) {
+  return format_of(path) != nullptr;
+}
+
+void write_scene(const std::filesystem::path& path, const AnimatedScene& scene) {
+  const SceneFormat* format = format_of(path);
+  if (format == nullptr)
+    throw ArgumentError(
+        fmt::format("\"{}\" was given, expected a name that ends in .glb or .usda", path.string()));
+  write_text_atomically(path, format->format(scene));
 }
 
 }  // namespace samara::io

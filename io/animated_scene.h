@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
@@ -7,8 +8,8 @@
 
 #include <Eigen/Core>
 
-/// Writing of rigid motions for viewers and animation programs: binary glTF 2.0 (.glb), and OpenUSD as text (.usda).
-/// One mesh, a node for each body, linear keys. References: Khronos Group, glTF 2.0 Specification,
+/// Rigid motions as files for viewers and animation programs: binary glTF 2.0 (.glb), and OpenUSD as text (.usda). One
+/// mesh, a node for each body, linear keys. References: Khronos Group, glTF 2.0 Specification,
 /// https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html; Pixar, Universal Scene Description, usda file format.
 namespace samara::io {
 
@@ -39,5 +40,12 @@ std::string format_glb(const AnimatedScene& scene);
 /// The text of a .usda file: z up, in double precision, 24 time codes a second.
 /// @throws ArgumentError likewise
 std::string format_usda(const AnimatedScene& scene);
+
+/// Whether a file of this name is one of these, by its ending.
+bool is_scene_name(const std::filesystem::path& path);
+
+/// In the format that the ending says.
+/// @throws ArgumentError likewise, for another ending, and if the file cannot be written
+void write_scene(const std::filesystem::path& path, const AnimatedScene& scene);
 
 }  // namespace samara::io

@@ -1,8 +1,9 @@
-#include "samara/io/glb.h"
+#include "samara/io/animated_scene.h"
 
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <string>
@@ -10,6 +11,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/io/text_file.h"
 
 using samara::ArgumentError;
 using samara::io::AnimatedScene;
@@ -92,4 +94,20 @@ TEST_CASE("what is no scene is refused") {
   refused([](AnimatedScene& s) { s.bodies[1].rotations(0, 1) = 0.9; });
   refused([](AnimatedScene& s) { s.bodies[1].positions.resize(3, 1); });
   refused([](AnimatedScene& s) { s.bodies[1].positions(0, 0) = 1e300; });
+}
+
+TEST_CASE("a scene is written as the ending of the file's name says, and not under another") {
+  const auto folder = std::filesystem::temp_directory_path();
+  for (const char* ending : {".glb", ".usda"}) {
+    const auto file = folder / (std::string("samara_scene_test") + ending);
+    REQUIRE(samara::io::is_scene_name(file));
+    samara::io::write_scene(file, scene());
+    const std::string expected =
+        std::string(ending) == ".glb" ? samara::io::format_glb(scene()) : samara::io::format_usda(scene());
+    CHECK(samara::io::read_text_file(file) == expected);
+    std::filesystem::remove(file);
+  }
+  const auto table = folder / "samara_scene_test.csv";
+  CHECK_FALSE(samara::io::is_scene_name(table));
+  CHECK_THROWS_AS(samara::io::write_scene(table, scene()), ArgumentError);
 }
