@@ -1,26 +1,18 @@
 #include "samara/codebooks/plan/make_plan.h"
 
 #include <algorithm>
-#include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/model_file.h"
+#include "samara/codebooks/plan/plan_box.h"
+#include "samara/codebooks/plan/plan_builder.h"
+#include "samara/codebooks/plan/plan_tolerance.h"
 
 namespace samara::codebooks {
 
 namespace {
-
-std::string box_text(const BoxEntry& entry) {
-  std::string text = fmt::format("range = [{}, {}]", entry.lower, entry.upper);
-  if (entry.nodes) text += fmt::format(", nodes = {}", *entry.nodes);
-  if (entry.basis != pgd::Basis::chebyshev) text += fmt::format(", basis = \"{}\"", to_string(entry.basis));
-  if (entry.transform != pgd::Transform::none)
-    text += fmt::format(", transform = \"{}\"", to_string(entry.transform));
-  return text;
-}
 
 /// Checks are those of a plan in a file, and the codebook keeps a text from which it can be built again.
 std::string plan_text(const models::ParametricModel& model, const BuildRequest& request) {
@@ -29,25 +21,13 @@ std::string plan_text(const models::ParametricModel& model, const BuildRequest& 
   text += "[fixed]\n";
   for (const auto& [name, value] : model.fixed()) text += fmt::format("{} = {}\n", quoted_toml(name), value);
   text += "[box]\n";
-  for (const BoxEntry& entry : request.box)
-    text += fmt::format("{} = {{ {} }}\n", quoted_toml(entry.name), box_text(entry));
-  text += fmt::format("[time]\nend = {}\n[tolerance]\nrelative = {}\n", request.end, request.relative);
-  if (request.assurance) text += fmt::format("assurance = {}\n", *request.assurance);
-  if (!request.absolute.empty()) text += "[tolerance.absolute]\n";
-  for (const auto& [name, value] : request.absolute)
-    text += fmt::format("{} = {}\n", quoted_toml(name), value);
-  const BuildRequest::Builder& builder = request.builder;
-  text += fmt::format(
-      "[builder]\nkind = {}\nstrategy = {}\nmax_cells = {}\nmax_calls = {}\nthreads = {}\n"
-      "seed = {}\n",
-      quoted_toml(builder.kind), quoted_toml(builder.strategy), builder.max_cells, builder.max_calls,
-      builder.threads, builder.seed);
-  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes},
-                                   {"max_rank", builder.max_rank},
-                                   {"guards", builder.guards}}) {
-    if (value) text += fmt::format("{} = {}\n", key, *value);
+  for (const BoxEntry& entry : request.box) {
+    text +=
+        fmt::format("{} = {}\n", quoted_toml(entry.name),
+                    box_entry_text(entry, fmt::format("{}", entry.lower), fmt::format("{}", entry.upper)));
   }
-  return text;
+  text += fmt::format("[time]\nend = {}\n", request.end);
+  return text + tolerance_text(request) + builder_text(request.builder);
 }
 
 }  // namespace

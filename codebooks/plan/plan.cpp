@@ -8,13 +8,14 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/limits.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/codebooks/plan/plan_body.h"
+#include "samara/codebooks/plan/plan_box.h"
 #include "samara/codebooks/plan/plan_builder.h"
 #include "samara/codebooks/plan/plan_command.h"
 #include "samara/codebooks/plan/plan_subject.h"
+#include "samara/codebooks/plan/plan_tolerance.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/models/equations/equation_model.h"
@@ -37,113 +38,6 @@ std::string read_title(const TomlTable& root) {
                                static_cast<unsigned char>(*bad)));
 }
 
-/// Basis and transform of a free coordinate.
-void read_axis_kind(const TomlTable& table, BoxEntry& entry) {
-  entry.basis = pgd::basis_from_string(table.choice("basis", pgd::parameter_basis_names()));
-  entry.transform =
-      pgd::transform_from_string(table.choice("transform", {"none", "log", "reciprocal", "square_root"}));
-  const pgd::BasisTraits& basis = pgd::basis_traits(entry.basis);
-  if (!basis.tells_resolution && !entry.nodes)
-    throw table.error("basis", fmt::format("is \"{}\", whose nodes the builder cannot choose: expected a key "
-                                           "nodes beside it",
-                                           to_string(entry.basis)));
-  if (basis.odd_nodes && entry.nodes && *entry.nodes % 2 == 0) {
-    throw table.error("nodes", fmt::format("is {}, expected an odd number of nodes on a {} axis",
-                                           *entry.nodes, to_string(entry.basis)));
-  }
-  const bool periodic = basis.family == pgd::AxisFamily::periodic;
-  if (periodic && entry.name.ends_with("(0)"))
-    throw table.error(
-        "basis", fmt::format("is \"{}\", but a solution is not periodic in an initial value", basis.name));
-  if (periodic && entry.transform != pgd::Transform::none)
-    throw table.error("transform", fmt::format("is not \"none\", which a {} axis cannot have", basis.name));
-  if (!in_domain(entry.transform, entry.lower)) {
-    throw table.error("transform", fmt::format("is \"{}\", which is not defined at the lower end {}",
-                                               to_string(entry.transform), entry.lower));
-  }
-}
-
-void check_size(const TomlTable& table, const std::string& key, double value) {
-  if (std::abs(value) <= kLargestInput) return;
-  throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargestInput));
-}
-
-BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {
-  BoxEntry entry;
-  entry.name = key;
-  std::vector<double> range;
-  if (box.is_table(key)) {
-    const TomlTable table = box.table(key);
-    table.expect_keys({"range", "nodes", "basis", "transform"});
-    range = table.quantities("range", unit);
-    if (const auto nodes = table.optional_integer("nodes")) {
-      if (*nodes < 2 || *nodes > 2000)
-        throw table.error("nodes", fmt::format("is {}, expected 2 to 2000", *nodes));
-      entry.nodes = static_cast<int>(*nodes);
-    }
-  } else {
-    range = box.quantities(key, unit);
-  }
-  if (range.size() != 2)
-    throw box.error(key, fmt::format("has {} numbers, expected an interval [lower, upper]", range.size()));
-  for (const double end : range) check_size(box, key, end);
-  if (!(range[0] < range[1])) {
-    throw box.error(key, fmt::format("is the interval [{}, {}], expected lower < upper", range[0], range[1]));
-  }
-  constexpr double kLeastWidth = 1e-9;  // of the ends; narrower ones have no nodes that differ
-  if (range[1] - range[0] < kLeastWidth * std::max(std::abs(range[0]), std::abs(range[1]))) {
-    throw box.error(key, fmt::format("is the interval [{}, {}], expected a width of at least {} of its ends",
-                                     range[0], range[1], kLeastWidth));
-  }
-  entry.lower = range[0];
-  entry.upper = range[1];
-  if (box.is_table(key)) read_axis_kind(box.table(key), entry);
-  return entry;
-}
-
-void read_tolerance(const TomlTable& root, const PlanSubject& subject, Plan& plan) {
-  const auto table = root.optional_table("tolerance");
-  if (!table) return;
-  table->expect_keys({"relative", "absolute", "assurance"});
-  plan.relative = table->optional_number("relative").value_or(plan.relative);
-  if (!(plan.relative > 0.0 && plan.relative < 1.0)) {
-    throw table->error("relative", fmt::format("is {}, expected more than 0 and less than 1", plan.relative));
-  }
-  if (plan.relative < kLeastTolerance) {
-    throw table->error("relative",
-                       fmt::format("is {}, expected at least {}, which is what the integrator can "
-                                   "certify",
-                                   plan.relative, kLeastTolerance));
-  }
-  plan.assurance = table->optional_number("assurance");
-  constexpr double kLeastAssurance = 0.7, kMostAssurance = 0.999997;  // 10 and a million points
-  if (plan.assurance && !(*plan.assurance >= kLeastAssurance && *plan.assurance <= kMostAssurance)) {
-    throw table->error("assurance", fmt::format("is {}, expected {} to {}: a share of the box",
-                                                *plan.assurance, kLeastAssurance, kMostAssurance));
-  }
-  const auto absolute = table->optional_table("absolute");
-  if (!absolute) return;
-  for (const std::string& key : absolute->keys()) {
-    const std::string& unit = unit_of(*absolute, key, subject.outputs, subject, subject.what_output);
-    const double value = absolute->difference(key, unit);
-    if (!(value >= 0.0)) throw absolute->error(key, fmt::format("is {}, expected at least 0", value));
-    plan.absolute[key] = value;
-  }
-}
-
-/// A command may be called no oftener for the certificate than for the build.
-void check_assurance_is_allowed(const TomlTable& root, const Plan& plan) {
-  if (!plan.command || !plan.assurance) return;
-  const int points = plan.certificate_points();
-  const long allowed = plan.builder.max_calls > 0 ? plan.builder.max_calls : kMostSampledCalls;
-  if (points <= allowed) return;
-  throw root.table("tolerance")
-      .error("assurance",
-             fmt::format("is {}, which takes {} points, more than the {} calls that max_calls of "
-                         "[builder] allows",
-                         *plan.assurance, points, allowed));
-}
-
 /// What is given for a coordinate, fixed or free.
 void read_coordinates(const TomlTable& root, const PlanSubject& subject, Plan& plan) {
   if (const auto fixed = root.optional_table("fixed")) {
@@ -163,7 +57,7 @@ void read_coordinates(const TomlTable& root, const PlanSubject& subject, Plan& p
     }
     if (plan.fixed.count(key) > 0)
       throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
-    plan.box.push_back(read_entry(box, key, unit));
+    plan.box.push_back(read_box_entry(box, key, unit));
     check_meaning(box, key, subject, plan.box.back().lower);
   }
   if (plan.box.empty())

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "samara/codebooks/model/model_file.h"
 #include "samara/pgd/nonlinear/march.h"
 #include "samara/pgd/sampling/leja.h"
 
@@ -17,23 +19,61 @@ namespace {
 
 using io::TomlTable;
 
-std::int64_t integer_in(const TomlTable& table, const std::string& key, std::int64_t fallback,
-                        std::int64_t lower, std::int64_t upper) {
-  const std::int64_t value = table.optional_integer(key).value_or(fallback);
-  if (value >= lower && value <= upper) return value;
-  throw table.error(key, fmt::format("is {}, expected {} to {}", value, lower, upper));
+using Builder = BuildRequest::Builder;
+
+/// A key with a whole number, and where it stands; one that is optional is the builder's own choice where it is left out.
+struct CountKey {
+  std::string key;
+  std::int64_t lower, upper;
+  std::variant<int Builder::*, long Builder::*, std::uint64_t Builder::*, std::optional<int> Builder::*>
+      member;
+
+  bool is_optional() const { return std::holds_alternative<std::optional<int> Builder::*>(member); }
+};
+
+const std::vector<CountKey>& count_keys() {
+  static const std::vector<CountKey> keys = {{"max_cells", 1, 100'000, &Builder::max_cells},
+                                             {"max_calls", 0, 1'000'000'000'000, &Builder::max_calls},
+                                             {"threads", 0, 1024, &Builder::threads},
+                                             {"seed", 0, INT64_MAX, &Builder::seed},
+                                             {"max_nodes", 7, 1000, &Builder::max_nodes},
+                                             {"max_rank", 1, 10'000, &Builder::max_rank},
+                                             {"guards", 1, 100'000, &Builder::guards}};
+  return keys;
 }
 
-std::optional<int> optional_integer_in(const TomlTable& table, const std::string& key, std::int64_t lower,
-                                       std::int64_t upper) {
-  if (!table.has(key)) return std::nullopt;
-  return static_cast<int>(integer_in(table, key, lower, lower, upper));
+void read_count(const TomlTable& table, const CountKey& key, Builder& builder) {
+  const auto value = table.optional_integer(key.key);
+  if (!value) return;
+  if (*value < key.lower || *value > key.upper)
+    throw table.error(key.key, fmt::format("is {}, expected {} to {}", *value, key.lower, key.upper));
+  const auto assign = [&]<class T>(T Builder::*member) {
+    if constexpr (std::is_same_v<T, std::optional<int>>) {
+      builder.*member = static_cast<int>(*value);
+    } else {
+      builder.*member = static_cast<T>(*value);
+    }
+  };
+  std::visit(assign, key.member);
+}
+
+/// None where it is left out.
+std::optional<std::string> count_text(const CountKey& key, const Builder& builder) {
+  const auto text = [&]<class T>(T Builder::*member) -> std::optional<std::string> {
+    if constexpr (std::is_same_v<T, std::optional<int>>) {
+      if (!(builder.*member)) return std::nullopt;
+      return std::to_string(*(builder.*member));
+    } else {
+      return std::to_string(builder.*member);
+    }
+  };
+  return std::visit(text, key.member);
 }
 
 /// Fields are solved by enrichment, which counts no evaluations and does not split the box.
 void check_builder_fits_field(const TomlTable& root, const Plan& plan) {
   const BuildRequest::Builder& builder = plan.builder;
-  const auto refuse = [&](const char* key, const std::string& is, const char* why) {
+  const auto refuse = [&](const std::string& key, const std::string& is, const char* why) {
     throw root.table("builder").error(key, fmt::format("is {}, but {}", is, why));
   };
   if (builder.kind == "sampling")
@@ -48,10 +88,9 @@ void check_builder_fits_field(const TomlTable& root, const Plan& plan) {
     refuse("max_calls", std::to_string(builder.max_calls),
            "a field is solved without evaluations that could be counted");
   }
-  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes},
-                                   {"max_rank", builder.max_rank},
-                                   {"guards", builder.guards}}) {
-    if (value) refuse(key, std::to_string(*value), "the builder of fields chooses that by itself");
+  for (const CountKey& key : count_keys()) {
+    const auto value = count_text(key, builder);
+    if (key.is_optional() && value) refuse(key.key, *value, "the builder of fields chooses that by itself");
   }
   for (const BoxEntry& entry : plan.box) {
     if (entry.basis == pgd::Basis::fourier)
@@ -101,21 +140,24 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
 void read_builder(const TomlTable& root, Plan& plan) {
   const auto table = root.optional_table("builder");
   if (!table) return check_builder_fits(root, plan);
-  table->expect_keys(
-      {"kind", "strategy", "max_calls", "max_cells", "max_nodes", "max_rank", "guards", "threads", "seed"});
+  std::vector<std::string> known = {"kind", "strategy"};
+  for (const CountKey& key : count_keys()) known.push_back(key.key);
+  table->expect_keys(known);
   plan.builder.kind = table->choice("kind", {"auto", "pgd", "sampling"});
   std::vector<std::string> strategies = {"auto", "newton", "steps"};
   const std::vector<std::string>& named = pgd::strategy_names();
   strategies.insert(strategies.end(), named.begin(), named.end());
   plan.builder.strategy = table->choice("strategy", strategies);
-  plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
-  plan.builder.max_cells = static_cast<int>(integer_in(*table, "max_cells", 1, 1, 100'000));
-  plan.builder.max_nodes = optional_integer_in(*table, "max_nodes", 7, 1000);
-  plan.builder.max_rank = optional_integer_in(*table, "max_rank", 1, 10'000);
-  plan.builder.guards = optional_integer_in(*table, "guards", 1, 100'000);
-  plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));
-  plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
+  for (const CountKey& key : count_keys()) read_count(*table, key, plan.builder);
   check_builder_fits(root, plan);
+}
+
+std::string builder_text(const BuildRequest::Builder& builder) {
+  std::string text = fmt::format("[builder]\nkind = {}\nstrategy = {}\n", quoted_toml(builder.kind),
+                                 quoted_toml(builder.strategy));
+  for (const CountKey& key : count_keys())
+    if (const auto value = count_text(key, builder)) text += fmt::format("{} = {}\n", key.key, *value);
+  return text;
 }
 
 }  // namespace samara::codebooks

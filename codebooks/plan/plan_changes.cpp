@@ -6,6 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/text.h"
+#include "samara/codebooks/plan/plan_box.h"
 #include "samara/io/toml_document.h"
 #include "samara/io/toml_edit.h"
 
@@ -38,16 +39,6 @@ std::string interval(const PlanChanges::Coordinate& c) {
   return fmt::format("[{}, {}]", as_toml(c.value), as_toml(c.upper));
 }
 
-/// `{ range = [..], nodes = 9 }` with another range.
-std::string interval_in_table(const BoxEntry& entry, const PlanChanges::Coordinate& c) {
-  std::string text = "{ range = " + interval(c);
-  if (entry.nodes) text += fmt::format(", nodes = {}", *entry.nodes);
-  if (entry.basis != pgd::Basis::chebyshev) text += fmt::format(", basis = \"{}\"", to_string(entry.basis));
-  if (entry.transform != pgd::Transform::none)
-    text += fmt::format(", transform = \"{}\"", to_string(entry.transform));
-  return text + " }";
-}
-
 std::vector<io::TomlChange> changes_of(const Plan& plan, const std::string& text,
                                        const PlanChanges& changes) {
   std::vector<io::TomlChange> edits;
@@ -60,7 +51,8 @@ std::vector<io::TomlChange> changes_of(const Plan& plan, const std::string& text
     }
     if (plan.fixed.contains(c.name) && !plan.of_body.contains(c.name)) edits.push_back({"fixed", c.name, ""});
     const bool in_table = entry != plan.box.end() && has_table(text, plan.source, c.name);
-    edits.push_back({"box", c.name, in_table ? interval_in_table(*entry, c) : interval(c)});
+    edits.push_back(
+        {"box", c.name, in_table ? box_entry_text(*entry, as_toml(c.value), as_toml(c.upper)) : interval(c)});
   }
   if (changes.relative) edits.push_back({"tolerance", "relative", fmt::format("{}", *changes.relative)});
   if (changes.threads) edits.push_back({"builder", "threads", std::to_string(*changes.threads)});
