@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 
 #include "inputs/model_libraries.h"
-#include "options/commands.h"
+#include "options/arguments.h"
 #include "samara/base/errors.h"
 #include "terminal/interrupts.h"
 #include "terminal/terminal.h"
@@ -21,32 +21,7 @@ int dispatch(const Arguments& arguments) {
                 : arguments.verbose ? Verbosity::verbose
                                     : Verbosity::usual);
   load_model_libraries(arguments.model_libraries);
-  if (arguments.plan) return run(*arguments.plan);
-  if (arguments.names) return run(*arguments.names);
-  if (arguments.models) return run(*arguments.models);
-  if (arguments.simulate) return run(*arguments.simulate);
-  if (arguments.build) return run(*arguments.build);
-  if (arguments.info) return run(*arguments.info);
-  if (arguments.query) return run(*arguments.query);
-  if (arguments.stats) return run(*arguments.stats);
-  if (arguments.exported) return run(*arguments.exported);
-  if (arguments.explore) return run(*arguments.explore);
-  if (arguments.plot) return run(*arguments.plot);
-  if (arguments.validate) return run(*arguments.validate);
-  if (arguments.fit) return run(*arguments.fit);
-  if (arguments.design) return run(*arguments.design);
-  if (arguments.compare) return run(*arguments.compare);
-  if (arguments.follow) return run(*arguments.follow);
-  if (arguments.wind) return run(*arguments.wind);
-  if (arguments.flow) return run(*arguments.flow);
-  if (arguments.picture) return run(*arguments.picture);
-  if (arguments.sweep) return run(*arguments.sweep);
-  if (arguments.database) return run(*arguments.database);
-  if (arguments.patterns) return run(*arguments.patterns);
-  if (arguments.regime) return run(*arguments.regime);
-  if (arguments.ghost) return run(*arguments.ghost);
-  if (arguments.synthesize) return run(*arguments.synthesize);
-  return run(*arguments.body);
+  return arguments.run();
 }
 
 /// What --verbose says when all is done.

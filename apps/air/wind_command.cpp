@@ -1,12 +1,18 @@
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <ranges>
+#include <string>
+#include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/text.h"
 #include "samara/codebooks/model/wind_file.h"
@@ -19,6 +25,17 @@ namespace samara::apps {
 namespace {
 
 namespace wind = models::wind;
+
+struct WindArguments {
+  std::string file;
+  std::vector<std::string> at;  ///< points; none: say what the wind is
+  std::string until;            ///< empty: 600 s, as are those below
+  std::string step;             ///< 0.05 s
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> realisation;
+  std::string output;
+  bool json = false;
+};
 
 constexpr std::array kDirections = {"along", "across", "vertical"};
 
@@ -177,9 +194,7 @@ Json series_json(const wind::WindSeries& series, const wind::SeriesStatistics& s
   return object;
 }
 
-}  // namespace
-
-int run(const WindArguments& arguments) {
+int run_wind(const WindArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.file});
   const codebooks::WindFile file = codebooks::read_wind(arguments.file);
   if (arguments.at.empty()) {
@@ -208,6 +223,33 @@ int run(const WindArguments& arguments) {
   write_answer(arguments.output, csv_of(series));
   print(words_of(series, statistics, options));
   return kDone;
+}
+
+}  // namespace
+
+void add_wind(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<WindArguments>();
+  CLI::App* command =
+      app.add_subcommand("wind", "what a file of a wind means; series of its turbulence at points");
+  command->add_option("WIND", values->file, "file of a wind (WIND.toml)")->required();
+  CLI::Option* at =
+      command
+          ->add_option("--at", values->at,
+                       "a point, along the wind, across it and up, m or with units: \"0, 5 m, 30 m\"; "
+                       "may be repeated")
+          ->allow_extra_args(false);
+  command->add_option("--until", values->until, "duration of the series, s or with a unit; default 600 s")
+      ->needs(at);
+  command->add_option("--step", values->step, "of the series, s or with a unit; default 0.05 s")->needs(at);
+  command->add_option("--seed", values->seed, "default 1")->check(whole_number<std::uint64_t>())->needs(at);
+  command->add_option("--realisation", values->realisation, "number of the series of that seed; default 0")
+      ->check(whole_number<std::uint64_t>())
+      ->needs(at);
+  command
+      ->add_option("-o,--output", values->output, "CSV file of the series, which --at needs but for --json")
+      ->needs(at);
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_wind);
 }
 
 }  // namespace samara::apps

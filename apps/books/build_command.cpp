@@ -1,10 +1,12 @@
 #include <filesystem>
+#include <memory>
 #include <system_error>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "books/planned_build.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/file/load.h"
@@ -75,9 +77,7 @@ int end_interrupted(const std::filesystem::path& checkpoint) {
   return kInterrupted;
 }
 
-}  // namespace
-
-int run(const BuildArguments& arguments) {
+int run_build(const BuildArguments& arguments) {
   if (arguments.dry_run) {
     const codebooks::Plan plan = plan_of(arguments);
     if (!arguments.output.empty()) check_target(arguments);
@@ -115,6 +115,33 @@ int run(const BuildArguments& arguments) {
     if (is_interrupted()) return end_interrupted(options.checkpoint);
     throw;
   }
+}
+
+}  // namespace
+
+void add_build(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<BuildArguments>();
+  CLI::App* command = app.add_subcommand("build", "builds and certifies the codebook of a plan");
+  command->add_option("PLAN", values->plan, "plan, TOML; - for stdin")->required();
+  command->add_option("-o,--output", values->output,
+                      "codebook file to write, HDF5; needed but for --dry-run");
+  command->add_option("--set", values->set,
+                      "in place of what the plan says: NAME=VALUE fixes, NAME=FROM..TO frees, SI or with a "
+                      "unit: C_D=0.8..1.4");
+  command->add_option("--tolerance", values->tolerance, "relative, in place of the plan's");
+  command->add_option("--threads", values->threads, "in place of the plan's; 0: as many as the machine has");
+  CLI::Option* dry =
+      command->add_flag("--dry-run", values->dry_run, "check the plan and say what would be built, no more");
+  CLI::Option* resume = command->add_flag(
+      "--resume", values->resume,
+      "only go on where a build of the same plan and output stopped, which is done anyway if there is one");
+  resume->excludes(dry);
+  command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier build has left")
+      ->excludes(resume)
+      ->excludes(dry);
+  command->add_flag("--force", values->force, "replace the output also if it is no codebook");
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_build);
 }
 
 }  // namespace samara::apps

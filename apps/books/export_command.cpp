@@ -1,10 +1,14 @@
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
 #include "inputs/value_lists.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/file/flat_file.h"
@@ -23,6 +27,15 @@ namespace {
 
 using codebooks::Codebook;
 namespace fs = std::filesystem;
+
+struct ExportArguments {
+  std::string book;
+  std::string to;  ///< "paraview", "flat"
+  std::vector<std::string> set;
+  std::vector<std::string> at;
+  std::string output;
+  bool json = false;
+};
 
 int space_of(const Codebook& book, const std::string& path) {
   if (const auto space = book.space()) return *space;
@@ -58,7 +71,7 @@ std::vector<double> times_of(const Codebook& book, const ExportArguments& argume
 }
 
 /// All coordinates at one time and every node; only time is left open.
-Eigen::MatrixXd points_of(const Codebook& book, const ExportArguments& arguments, int space) {
+Eigen::MatrixXd exported_points(const Codebook& book, const ExportArguments& arguments, int space) {
   std::map<std::string, std::string> units;
   for (const codebooks::Coordinate& c : book.parameters()) {
     if (c.role != pgd::AxisRole::space) units[c.name] = c.unit;
@@ -156,7 +169,7 @@ int export_any(const ExportArguments& arguments) {
   const std::vector<double> times = times_of(book, arguments);
   check_name(output, times.size());
   const io::VtkGrid grid = grid_of(book, space);
-  Eigen::MatrixXd points = points_of(book, arguments, space);
+  Eigen::MatrixXd points = exported_points(book, arguments, space);
   if (output.extension() == ".vtu") {
     if (!times.empty()) points.row(0).setConstant(times.front());
     io::write_text_atomically(output, io::format_vtu(grid, fields_of(book, points)));
@@ -183,12 +196,34 @@ int export_any(const ExportArguments& arguments) {
   return kDone;
 }
 
-}  // namespace
-
-int run(const ExportArguments& arguments) {
+int run_export(const ExportArguments& arguments) {
   const int code = export_any(arguments);
   tell_of_file(arguments.output, arguments.json);
   return code;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ExportArguments>();
+  CLI::App* command =
+      app.add_subcommand("export", "a codebook for programs without Samara; fields of space, flows");
+  command->add_option("BOOK", values->book, "codebook file, or flow file")->required();
+  command
+      ->add_option("--to", values->to,
+                   "for whom: paraview (a field of space at chosen parameters, as VTK files), or flat (the "
+                   "codebook as samara_eval.h reads it, a header in C for programs without any library)")
+      ->required()
+      ->check(CLI::IsMember({"paraview", "flat"}));
+  command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
+  command->add_option("--at", values->at, kTimes);
+  command
+      ->add_option("-o,--output", values->output,
+                   "file to write: NAME.vtu for one time, NAME.pvd for several, with NAME_0000.vtu and so on "
+                   "beside it; of a flow NAME.xdmf, which refers to the flow file; NAME.flat")
+      ->required();
+  command->add_flag("--json", values->json, kJsonOfFile);
+  on_call(*command, arguments, values, run_export);
 }
 
 }  // namespace samara::apps

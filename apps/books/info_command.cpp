@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <memory>
+#include <string>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "flow/flow_output.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/unit_labels.h"
@@ -20,6 +23,13 @@ namespace samara::apps {
 namespace {
 
 using codebooks::Codebook;
+
+struct InfoArguments {
+  std::string book;
+  bool plan = false;  ///< the text of the plan alone
+  std::string output;
+  bool json = false;
+};
 
 /// Numbers that the separated form stores, and those of the table of all nodes it stands for.
 struct Numbers {
@@ -60,7 +70,7 @@ std::string form_of(const codebooks::GroupOutline& group) {
   return fmt::format("{} terms", group.ranks.front());
 }
 
-Json to_json(const codebooks::GroupOutline& group) {
+Json group_json(const codebooks::GroupOutline& group) {
   Json object = {{"outputs", group.outputs.size()}, {"bytes", bytes_of(group)}};
   if (group.is_train) {
     object["kind"] = "train";
@@ -72,7 +82,7 @@ Json to_json(const codebooks::GroupOutline& group) {
   return object;
 }
 
-Json to_json(const Codebook& book, const std::string& path) {
+Json book_json(const Codebook& book, const std::string& path) {
   const Outlines outlines = outlines_of(book);
   const Numbers numbers = count(outlines);
   Json object = {{"schema", "samara-info/1"},
@@ -94,7 +104,7 @@ Json to_json(const Codebook& book, const std::string& path) {
     object["outputs"].push_back({{"name", o.name}, {"unit", o.unit}});
   for (const codebooks::PieceOutline& piece : outlines) {
     Json groups = Json::array();
-    for (const codebooks::GroupOutline& group : piece.groups) groups.push_back(to_json(group));
+    for (const codebooks::GroupOutline& group : piece.groups) groups.push_back(group_json(group));
     Json axes = Json::array();
     for (const pgd::Axis& axis : piece.axes) {
       axes.push_back({{"name", axis.name()},
@@ -121,7 +131,7 @@ Json to_json(const Codebook& book, const std::string& path) {
                      {"status", to_string(build.status)}, {"message", build.message},
                      {"evaluations", build.evaluations},  {"grid_size", build.grid_size},
                      {"iterations", build.iterations},    {"rounds", build.rounds}};
-  object["certificate"] = book.certificate() ? apps::to_json(*book.certificate(), book) : Json(nullptr);
+  object["certificate"] = book.certificate() ? to_json(*book.certificate(), book) : Json(nullptr);
   const codebooks::Provenance& p = book.provenance();
   object["provenance"] = {{"generator", p.generator},
                           {"created", p.created},
@@ -209,9 +219,7 @@ std::string describe(const Codebook& book, const std::string& path) {
   return wrapped_lines(printable(text, "\n"));
 }
 
-}  // namespace
-
-int run(const InfoArguments& arguments) {
+int run_info(const InfoArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
   if (flow::is_flow_file(arguments.book)) {
     if (arguments.plan)
@@ -228,9 +236,23 @@ int run(const InfoArguments& arguments) {
     write_answer(arguments.output, printable(plan, "\n\t\r"));
     return kDone;
   }
-  write_answer(arguments.output,
-               arguments.json ? to_json(book, arguments.book).dump() + "\n" : describe(book, arguments.book));
+  write_answer(arguments.output, arguments.json ? book_json(book, arguments.book).dump() + "\n"
+                                                : describe(book, arguments.book));
   return kDone;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<InfoArguments>();
+  CLI::App* command = app.add_subcommand(
+      "info", "axes, ranks, size, certificate and provenance of a codebook; loads and checks of a flow");
+  command->add_option("BOOK", values->book, "codebook file, or flow file")->required();
+  CLI::Option* json = command->add_flag("--json", values->json, kJson);
+  command->add_flag("--plan", values->plan, "the plan that a codebook was built from, and nothing else")
+      ->excludes(json);
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  on_call(*command, arguments, values, run_info);
 }
 
 }  // namespace samara::apps

@@ -1,13 +1,16 @@
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "books/planned_build.h"
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
 #include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/codebooks/plan/plan.h"
@@ -20,6 +23,12 @@
 namespace samara::apps {
 
 namespace {
+
+struct PlanArguments {
+  std::string model;
+  std::string output;
+  bool json = false;
+};
 
 std::vector<std::string> settable_names(const models::ModelInfo& info) {
   std::vector<std::string> names;
@@ -50,9 +59,7 @@ std::vector<std::string> names_of(const std::string& source) {
   return names;
 }
 
-}  // namespace
-
-int run(const PlanArguments& arguments) {
+int run_plan(const PlanArguments& arguments) {
   if (!arguments.output.empty()) {
     check_output(arguments.output, {arguments.model});
     check_replaced(arguments.output, "plan", "[box");
@@ -66,8 +73,23 @@ int run(const PlanArguments& arguments) {
   return kDone;
 }
 
-int run(const NamesArguments& arguments) {
-  const std::vector<std::string> names = names_of(arguments.source);
+}  // namespace
+
+void add_plan(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<PlanArguments>();
+  CLI::App* command = app.add_subcommand(
+      "plan", "a plan to begin with, with comments, for a model: samara build takes it as it is");
+  command
+      ->add_option("MODEL", values->model,
+                   "name of a model (samara models), or file with equations (MODEL.toml)")
+      ->required();
+  command->add_option("-o,--output", values->output, "file for the plan, TOML; stdout if not given");
+  command->add_flag("--json", values->json, "print one JSON object: what the plan asks for, and its text");
+  on_call(*command, arguments, values, run_plan);
+}
+
+int print_names(const std::string& source) {
+  const std::vector<std::string> names = names_of(source);
   std::string text;
   for (const std::string& name : names) text += shell_name(name, names) + "\n";
   print(text);

@@ -1,12 +1,25 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "options/arguments.h"
 #include "samara/codebooks/plan/plan.h"
 #include "terminal/output.h"
 
 namespace samara::apps {
+
+/// What was typed behind `samara build`.
+struct BuildArguments {
+  std::string plan;
+  std::string output;  ///< empty: only with dry_run
+  std::vector<std::string> set;
+  std::string tolerance, threads;  ///< empty: those of the plan
+  bool dry_run = false;
+  bool resume = false;
+  bool fresh = false;
+  bool force = false;
+  bool json = false;
+};
 
 /// The plan of a build, with what the call puts in its place: --set, --tolerance, --threads.
 /// @throws InputError for the plan as it stands, ArgumentError for what is put in its place

@@ -1,12 +1,16 @@
 #include <algorithm>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
 #include "inputs/query_points.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
@@ -111,8 +115,8 @@ void write_csv(const std::string& path, const Coordinates& coordinates, const La
   write_answer(path, text);
 }
 
-Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels& outputs,
-             const QueryPoints& points, const Answers& table, bool gradient, bool composed) {
+Json values_json(const Codebook& book, const Coordinates& coordinates, const Labels& outputs,
+                 const QueryPoints& points, const Answers& table, bool gradient, bool composed) {
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-query/1"},
                  {"coordinates", Json::object()},
@@ -144,7 +148,7 @@ void write(const QueryArguments& arguments, const Codebook& book, const Coordina
     const bool composed = !arguments.until.empty();
     write_answer(
         arguments.output,
-        to_json(book, coordinates, outputs, points, table, arguments.gradient, composed).dump() + "\n");
+        values_json(book, coordinates, outputs, points, table, arguments.gradient, composed).dump() + "\n");
   } else {
     write_csv(arguments.output, coordinates, outputs, points, table, arguments.gradient);
   }
@@ -209,9 +213,7 @@ int run_animated(const QueryArguments& arguments, const Codebook& book) {
   return write_animation(arguments.output, animation);
 }
 
-}  // namespace
-
-int run(const QueryArguments& arguments) {
+int run_query(const QueryArguments& arguments) {
   if (!arguments.until.empty() &&
       (!arguments.at.empty() || arguments.gradient || arguments.clamp || !arguments.points.empty())) {
     throw ArgumentError(
@@ -244,6 +246,41 @@ int run(const QueryArguments& arguments) {
                                   : answer(std::move(query), count, points, arguments.gradient);
   write(arguments, book, coordinates, outputs, points, table);
   return kDone;
+}
+
+}  // namespace
+
+void add_query(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<QueryArguments>();
+  CLI::App* command =
+      app.add_subcommand("query", "values of a codebook, and derivatives by every axis, as CSV or JSON");
+  command->add_option("BOOK", values->book, "codebook file")->required();
+  command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
+  CLI::Option* at = command->add_option("--at", values->at, kTimes);
+  command->add_option("--frames", values->frames, "so many times, equally spaced, in place of 11")
+      ->check(whole_number())
+      ->check(CLI::Range(2, 10000000))
+      ->excludes(at);
+  command->add_option(
+      "--points", values->points,
+      "table of points, CSV with a column for each coordinate (\"C_D,v(0)[cm/s]\"), or - for stdin: a row "
+      "each; what no "
+      "column names is --set, and without a column of the time each point is asked at all times");
+  command->add_option("--until", values->until,
+                      "11 times from 0 to this one, s or with a unit, also after the codebook's own: by its "
+                      "windows, composed, where the initial state is free");
+  command->add_option("--second", values->second,
+                      "of --until: codebook of the same model and time for attitudes near upside down");
+  command->add_flag("--gradient", values->gradient, "add the derivative of every output by every axis");
+  command->add_flag("--clamp", values->clamp,
+                    "take the nearest point of the box instead of refusing (exit code 5)");
+  command->add_option(
+      "-o,--output", values->output,
+      "file for the answer, CSV or with --json JSON, or the motion of the body: .glb (glTF) or "
+      ".usda; stdout if not given");
+  add_shown_words(*command, values->body);
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_query);
 }
 
 }  // namespace samara::apps

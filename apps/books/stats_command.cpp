@@ -1,15 +1,18 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "inputs/assignments.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
@@ -30,6 +33,17 @@ using codebooks::Codebook;
 using codebooks::Distribution;
 using codebooks::DistributionKind;
 using codebooks::OutputStatistics;
+
+struct StatsArguments {
+  std::string book;
+  std::vector<std::string> set, groups;
+  std::string fit;
+  std::vector<double> quantiles;
+  int draws = 4096;
+  std::uint64_t seed = 1;
+  std::string output;
+  bool json = false;
+};
 
 /// "normal(1.1, 0.05)" in its name and two numbers.
 struct Call {
@@ -187,7 +201,7 @@ std::string to_csv(const Codebook& book, const BookStatistics& s) {
   return io::format_csv(header, table);
 }
 
-Json to_json(const Codebook& book, const BookStatistics& s) {
+Json statistics_json(const Codebook& book, const BookStatistics& s) {
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-stats/1"}, {"inputs", s.inputs}, {"outputs", Json::array()}};
   if (book.has_time()) object["times"] = list(s.times);
@@ -215,17 +229,45 @@ Json to_json(const Codebook& book, const BookStatistics& s) {
   return object;
 }
 
-}  // namespace
-
-int run(const StatsArguments& arguments) {
+int run_stats(const StatsArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.fit});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   const BookStatistics statistics = take_statistics(book, request_of(arguments, book));
   for (const std::string& note : statistics.notes) narrate(note);
   write_answer(arguments.output,
-               arguments.json ? to_json(book, statistics).dump() + "\n" : to_csv(book, statistics));
+               arguments.json ? statistics_json(book, statistics).dump() + "\n" : to_csv(book, statistics));
   return kDone;
+}
+
+}  // namespace
+
+void add_stats(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<StatsArguments>();
+  CLI::App* command = app.add_subcommand("stats",
+                                         "mean, deviation, Sobol' indices and quantiles of the outputs, over "
+                                         "time, of inputs that are uniform over the "
+                                         "box or distributed otherwise, as CSV or JSON");
+  command->add_option("BOOK", values->book, "codebook file")->required();
+  command
+      ->add_option("--set", values->set,
+                   "NAME=VALUE holds an input; NAME=FROM..TO, \"NAME=normal(MEAN, DEVIATION)\" and "
+                   "\"NAME=lognormal(MEDIAN, DEVIATION OF THE LOGARITHM)\" say how it is distributed")
+      ->allow_extra_args(false);
+  command->add_option("--fit", values->fit,
+                      "fit (samara fit -o FIT.json) whose coefficients are inputs, with its covariance");
+  command->add_option("--quantiles", values->quantiles, "shares between 0 and 1: 0.05 0.5 0.95");
+  command->add_option("--group", values->groups, "inputs to give indices of together: C_T,C_R")
+      ->allow_extra_args(false);
+  command->add_option("--draws", values->draws, "of quantiles, and of correlated inputs")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--seed", values->seed, "of the draws, from 0")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_stats);
 }
 
 }  // namespace samara::apps

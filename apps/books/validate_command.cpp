@@ -1,7 +1,13 @@
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/bodies.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/certify_plan.h"
@@ -13,6 +19,15 @@
 namespace samara::apps {
 
 namespace {
+
+struct ValidateArguments {
+  std::string book;
+  std::string plan;  ///< whose command is called; empty: the codebook is one of a model
+  std::optional<int> points;
+  std::uint64_t seed = 1;
+  std::string output;
+  bool json = false;
+};
 
 /// Errors of arguments are those of the file.
 template <class Make>
@@ -55,9 +70,7 @@ void check_plan(const codebooks::Codebook& book, const ValidateArguments& argume
   }
 }
 
-}  // namespace
-
-int run(const ValidateArguments& arguments) {
+int run_validate(const ValidateArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.plan});
   const codebooks::Codebook book = codebooks::load(arguments.book);
   check_plan(book, arguments);
@@ -88,6 +101,28 @@ int run(const ValidateArguments& arguments) {
   object["certificate"] = to_json(certificate, book);
   write_answer(arguments.output, arguments.json ? object.dump() + "\n" : to_table(certificate, book));
   return certificate.met ? kDone : kToleranceMissed;
+}
+
+}  // namespace
+
+void add_validate(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ValidateArguments>();
+  CLI::App* command = app.add_subcommand("validate", "certifies a codebook again, on fresh points");
+  command->add_option("BOOK", values->book, "codebook file")->required();
+  command->add_option("--plan", values->plan,
+                      "of a codebook of a command: the plan whose command is called; none that stands in a "
+                      "codebook is ever executed");
+  command
+      ->add_option("--points", values->points,
+                   "scrambled Sobol' points in the box; default: 2000, of a command what its plan says")
+      ->check(whole_number())
+      ->check(CLI::Range(1, 100000000));
+  command->add_option("--seed", values->seed, "of the scrambling, from 0")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_validate);
 }
 
 }  // namespace samara::apps

@@ -1,11 +1,15 @@
+#include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/design/design_report.h"
@@ -19,6 +23,26 @@ namespace samara::apps {
 namespace {
 
 namespace id = samara::identification;
+
+struct DesignArguments {
+  std::string source;  ///< codebook file or model name
+  std::string fit;     ///< JSON
+  std::string config;
+  int captures = 1;
+  std::string duration;       ///< empty: as the fit
+  std::optional<int> frames;  ///< none: as the fit
+  std::vector<std::string> release;
+  std::vector<std::string> set;
+  std::vector<std::string> outputs;
+  std::vector<std::string> noise;
+  std::string criterion = "D";
+  std::vector<std::string> coefficients;
+  int times = 0;
+  int draws = 8;
+  std::uint64_t seed = 1;
+  std::string output;
+  bool json = false;
+};
 
 std::map<std::string, models::Interval> boxes_of(const DesignArguments& arguments,
                                                  const models::FamilyInfo& family) {
@@ -73,9 +97,7 @@ id::DesignOptions options_of(const DesignArguments& arguments, const models::Fam
   return options;
 }
 
-}  // namespace
-
-int run(const DesignArguments& arguments) {
+int run_design(const DesignArguments& arguments) {
   if (!arguments.output.empty())
     check_output(arguments.output, {arguments.source, arguments.fit, arguments.config});
   const id::Design design = id::design_files(
@@ -88,6 +110,59 @@ int run(const DesignArguments& arguments) {
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::design_json(design));
   print(arguments.json ? id::design_json(design) : printable(id::design_text(design), "\n"));
   return kDone;
+}
+
+}  // namespace
+
+void add_design(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<DesignArguments>();
+  CLI::App* command = app.add_subcommand(
+      "design",
+      "the next experiment: which releases, outputs and times would shrink the errors of a fit most");
+  command
+      ->add_option("SOURCE", values->source, "codebook file, or name of a model (with the config of the fit)")
+      ->required();
+  command->add_option("--fit", values->fit, "JSON of the fit so far (samara fit -o)")->required();
+  command->add_option("--config", values->config, "of that fit, TOML; needed for a model only");
+  command->add_option("--captures", values->captures, "how many more")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--duration", values->duration,
+                      "of each, s or with a unit; default: as the longest of the fit");
+  command->add_option("--frames", values->frames, "of each; default: at the rate of the fit's")
+      ->check(whole_number());
+  command
+      ->add_option(
+          "--release", values->release,
+          "a coordinate that can be chosen; default: all that are no coefficients; the others stay where "
+          "the captures of the fit were in the mean")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--set", values->set,
+                   "where a release must be, NAME=VALUE or NAME=FROM..TO, SI or with units: \"theta(0)=20 "
+                   "deg..60 deg\"")
+      ->allow_extra_args(false);
+  command->add_option("--seen", values->outputs, "an output that is seen; default: what the fit compared")
+      ->allow_extra_args(false);
+  command->add_option("--noise", values->noise, "of an output, NAME=VALUE; default: what the fit found")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--criterion", values->criterion,
+                   "D (the volume of what remains possible) or A (the mean square of relative errors)")
+      ->capture_default_str();
+  command->add_option("--for", values->coefficients, "a coefficient whose error counts; default: all")
+      ->allow_extra_args(false);
+  command->add_option("--times", values->times, "also find so many frames that say most alone")
+      ->check(whole_number());
+  command->add_option("--draws", values->draws, "of the coefficients from what the fit leaves open")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--seed", values->seed, "of draws and first releases")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
+  command->add_option("-o,--output", values->output, "also write the design as JSON to this file");
+  command->add_flag("--json", values->json, "print one JSON object instead of the tables");
+  on_call(*command, arguments, values, run_design);
 }
 
 }  // namespace samara::apps

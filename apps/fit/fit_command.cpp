@@ -1,15 +1,17 @@
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <glog/logging.h>
 
 #include "inputs/assignments.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/file/save.h"
@@ -27,6 +29,25 @@ namespace samara::apps {
 namespace {
 
 namespace id = samara::identification;
+
+struct FitArguments {
+  std::string source;  ///< codebook file or model name
+  std::vector<std::string> captures;
+  std::string sidecar;  ///< of every table; empty: those beside them
+  std::string petab;    ///< folder for the tables of a PEtab problem
+  std::string config;
+  std::string span;
+  std::string coefficients;  ///< JSON of another fit
+  bool reference = false;
+  bool profiles = false;
+  std::vector<std::string> left_out;
+  std::string left_out_span;
+  std::string ahead;
+  std::string output;
+  std::string report;
+  std::string series;  ///< codebook of a series to write
+  bool json = false;
+};
 
 /// s; empty where the command does not say.
 std::optional<double> time_of(const std::string& option, const std::string& text) {
@@ -117,9 +138,7 @@ void write(const FitArguments& arguments, const id::FitReport& report) {
   print(arguments.json ? json() : printable(text(), "\n"));
 }
 
-}  // namespace
-
-int run(const FitArguments& arguments) {
+int run_fit(const FitArguments& arguments) {
   // Ceres reports through glog, which would print its own lines; the result carries the same in a sentence.
   FLAGS_minloglevel = google::GLOG_FATAL;
   const id::FitRequest request = request_of(arguments);
@@ -136,6 +155,53 @@ int run(const FitArguments& arguments) {
   if (report.is_usable) return kDone;
   complain(report.message);
   return kToleranceMissed;
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<FitArguments>();
+  CLI::App* command = app.add_subcommand("fit", "coefficients with uncertainty from captured trajectories");
+  command
+      ->add_option(
+          "SOURCE", values->source,
+          "codebook file, or a model by its name or its file of equations (with a config that has a [box])")
+      ->required();
+  // Not required for the parser, which would take the last capture left out for one to fit.
+  command->add_option("CAPTURE", values->captures,
+                      "capture files: tables, or sidecars (.toml) that map one; or one PEtab problem "
+                      "(.yaml), config included");
+  command->add_option("--sidecar", values->sidecar,
+                      "what the columns of all tables given are, TOML, in place of sidecars beside them");
+  command->add_option("--config", values->config, "what to fit and how, TOML");
+  command->add_option(
+      "--coefficients", values->coefficients,
+      "JSON of another fit: its coefficients are where this one begins, or held where the "
+      "config has no box for them; without a CAPTURE all are held, and --left-out is predicted");
+  command->add_option("--span,--window", values->span,
+                      "only this much of each capture from its first frame, s or with a unit");
+  command->add_flag("--reference", values->reference,
+                    "integrate (CVODES with sensitivities) instead of querying the codebook; only with one");
+  command->add_flag("--profiles", values->profiles,
+                    "fit again with each coefficient held at other values: intervals, and whether there is a "
+                    "limit to both sides");
+  command->add_option(
+      "--left-out", values->left_out,
+      "captures to predict, one or more: their span is seen, with the coefficients held, and --ahead is "
+      "compared");
+  command->add_option("--left-out-span,--left-out-window", values->left_out_span,
+                      "how much of each of them is seen, s or with a unit; default: as --span");
+  command->add_option("--ahead", values->ahead, "how far beyond the span to predict, s or with a unit");
+  command->add_option("--petab", values->petab,
+                      "of a PEtab problem: also write its tables as the fit leaves them, parameters.tsv and "
+                      "simulations.tsv, into this folder");
+  command->add_option("--series", values->series,
+                      "write the coefficients that change in time, those of [series] in the config, to this "
+                      "codebook, for samara simulate --coefficients");
+  command->add_option("-o,--output", values->output, "also write the result as JSON to this file");
+  command->add_option("--report", values->report, "also write a page for the browser to this file, HTML");
+  command->add_flag("--json", values->json, "print one JSON object instead of the table");
+  on_call(*command, arguments, values, run_fit);
 }
 
 }  // namespace samara::apps

@@ -1,12 +1,15 @@
 #include <cmath>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/captures/capture_file.h"
@@ -20,6 +23,21 @@ namespace samara::apps {
 namespace {
 
 namespace id = samara::identification;
+
+struct FollowArguments {
+  std::string source;  ///< model, or codebook file
+  std::string fit;     ///< JSON
+  std::string track;
+  std::string sidecar;
+  std::string config;
+  std::vector<std::string> training;
+  std::string ahead;  ///< empty: no forecasts
+  std::vector<std::string> noise;
+  std::string velocity_noise, rate_noise, spread, drift, step;
+  std::optional<int> start_frames;
+  std::string output;
+  bool json = false;
+};
 
 /// SI; 0 where the command does not say.
 double amount_of(const std::string& option, const std::string& text, const std::string& unit) {
@@ -79,9 +97,7 @@ void check_files(const FollowArguments& arguments) {
   check_output(arguments.output, inputs);
 }
 
-}  // namespace
-
-int run(const FollowArguments& arguments) {
+int run_follow(const FollowArguments& arguments) {
   const id::FollowRequest request = request_of(arguments);
   check_files(arguments);
   const id::FollowReport report = id::follow_files(request);
@@ -90,6 +106,50 @@ int run(const FollowArguments& arguments) {
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::follow_csv(report));
   print(arguments.json ? id::follow_json(report) : printable(id::follow_text(report), "\n"));
   return kDone;
+}
+
+}  // namespace
+
+void add_follow(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<FollowArguments>();
+  CLI::App* command = app.add_subcommand(
+      "follow", "a motion frame by frame with a fitted model: state, coefficients, and what comes next");
+  command
+      ->add_option("SOURCE", values->source,
+                   "a model by its name or its file of equations, or a codebook file")
+      ->required();
+  command->add_option("FIT", values->fit, "JSON of a fit of it (samara fit -o)")->required();
+  command
+      ->add_option("TRACK", values->track, "what was measured: a table, or a sidecar (.toml) that maps one")
+      ->required();
+  command->add_option("--sidecar", values->sidecar,
+                      "what the columns of all tables given are, TOML, in place of sidecars beside them");
+  command->add_option("--config", values->config,
+                      "of the fit, TOML: where [known] finds values of the capture, and the step");
+  command->add_option("--ahead", values->ahead,
+                      "also forecast so far beyond every frame, s or with a unit: a mean and a band of 90 %");
+  command->add_option(
+      "--train", values->training,
+      "captures on which the noise of model and frames, spread and drift are chosen, one or more");
+  command
+      ->add_option("--noise", values->noise,
+                   "of frames of an output, NAME=VALUE; default: what the fit found")
+      ->allow_extra_args(false);
+  command->add_option(
+      "--velocity-noise", values->velocity_noise,
+      "what the model lacks: white noise in the rates of velocities, m/s per root of a second");
+  command->add_option("--rate-noise", values->rate_noise,
+                      "likewise in the rates of rates of rotation, rad/s per root of a second");
+  command->add_option("--spread", values->spread,
+                      "how far coefficients of one motion lie from those of the fit: 0.1 is 10 %");
+  command->add_option("--drift", values->drift, "of coefficients, per root of a second: 0.1 is 10 %");
+  command->add_option("--step", values->step, "of the integration at most, s or with a unit; default: 2 ms");
+  command->add_option("--start-frames", values->start_frames, "from which the start is found; default: 8")
+      ->check(whole_number());
+  command->add_option("-o,--output", values->output,
+                      "also write a table with a row a frame to this file, CSV");
+  command->add_flag("--json", values->json, "print one JSON object instead of the text");
+  on_call(*command, arguments, values, run_follow);
 }
 
 }  // namespace samara::apps

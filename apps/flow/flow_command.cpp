@@ -1,10 +1,13 @@
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <system_error>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "flow/flow_output.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
@@ -22,6 +25,14 @@ namespace samara::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct FlowArguments {
+  std::string plan;
+  std::string output;
+  bool resume = false;
+  bool fresh = false;
+  bool json = false;
+};
 
 /// A run may take hours: that its result cannot be written should be known before, and no other file is lost to it.
 void check_flow_target(const FlowArguments& arguments) {
@@ -108,9 +119,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
   }
 }
 
-}  // namespace
-
-int run(const FlowArguments& arguments) {
+int run_flow(const FlowArguments& arguments) {
   catch_interrupts();
   check_flow_target(arguments);
   const flow::FlowPlan plan = flow::read_flow_plan(
@@ -145,6 +154,23 @@ int run(const FlowArguments& arguments) {
       "{} is written and marked: {}; {} is kept: the same line with a larger max_time goes on from there",
       arguments.output, result.message, options.checkpoint.string()));
   return kToleranceMissed;
+}
+
+}  // namespace
+
+void add_flow(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<FlowArguments>();
+  CLI::App* command = app.add_subcommand(
+      "flow", "the flow about a body that is held in a stream, of a plan, with its turbulence");
+  command->add_option("PLAN", values->plan, "plan with a table [flow], TOML")->required();
+  command->add_option("-o,--output", values->output, "flow file to write, HDF5")->required();
+  CLI::Option* resume = command->add_flag(
+      "--resume", values->resume,
+      "only go on where a run of the same plan and output stopped, which is done anyway if there is one");
+  command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier run has left")
+      ->excludes(resume);
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_flow);
 }
 
 }  // namespace samara::apps

@@ -1,19 +1,29 @@
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
 
 namespace samara::apps {
 
 namespace {
+
+struct BodyArguments {
+  BodyWords words;
+  std::string viscosity;  ///< empty: no Reynolds number
+  std::string output;
+  bool json = false;
+  bool toml = false;
+};
 
 template <class Matrix>
 Json rows_of(const Matrix& matrix) {
@@ -59,9 +69,7 @@ std::string words_of(const models::BodyInFluid& described, const std::map<std::s
   return text;
 }
 
-}  // namespace
-
-int run(const BodyArguments& arguments) {
+int run_body(const BodyArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.words.body});
   std::optional<double> viscosity;
   if (!arguments.viscosity.empty())
@@ -91,6 +99,24 @@ int run(const BodyArguments& arguments) {
     write_answer(arguments.output, words_of(described, numbers));
   }
   return kDone;
+}
+
+}  // namespace
+
+void add_body(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<BodyArguments>();
+  CLI::App* command =
+      app.add_subcommand("body", "mass, inertia, added mass and scaling numbers of a body in a fluid");
+  command->add_option("BODY", values->words.body, kBody)->required();
+  add_body_words(*command, values->words, true);
+  CLI::Option* viscosity = command->add_option("--viscosity", values->viscosity,
+                                               "of the fluid, Pa s or with a unit: for the Reynolds number");
+  CLI::Option* json = command->add_flag("--json", values->json, kJson);
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--toml", values->toml, "print the lines of a plan of kirchhoff_body")
+      ->excludes(json)
+      ->excludes(viscosity);
+  on_call(*command, arguments, values, run_body);
 }
 
 }  // namespace samara::apps

@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <string>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/model/model_file.h"
@@ -18,6 +21,13 @@
 namespace samara::apps {
 
 namespace {
+
+struct ModelsArguments {
+  std::string model;  ///< empty: all
+  std::string output;
+  bool json = false;
+  bool check = false;  ///< what check_model() says of it
+};
 
 std::string default_text(const models::ParameterInfo& parameter) {
   if (parameter.default_value) return fmt::format("{}", *parameter.default_value);
@@ -192,9 +202,7 @@ bool print_check(const models::Model& model) {
   return check.passed();
 }
 
-}  // namespace
-
-int run(const ModelsArguments& arguments) {
+int run_models(const ModelsArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.model});
   std::vector<Listed> listed;
   const models::FieldModel* field = models::find_field_model(arguments.model);
@@ -232,6 +240,21 @@ int run(const ModelsArguments& arguments) {
     write_answer(arguments.output, text);
   }
   return kDone;
+}
+
+}  // namespace
+
+void add_models(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ModelsArguments>();
+  CLI::App* command =
+      app.add_subcommand("models", "models with parameters, units, defaults, sources, validity");
+  command->add_option("NAME", values->model,
+                      "explain this model only, or the equations of a file (MODEL.toml)");
+  CLI::Option* json = command->add_flag("--json", values->json, kJson);
+  command->add_flag("--check", values->check, "check its promises, and name the kinks of its law")
+      ->excludes(json);
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  on_call(*command, arguments, values, run_models);
 }
 
 }  // namespace samara::apps

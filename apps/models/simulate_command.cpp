@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <string>
+#include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "air/cloud_command.h"
@@ -9,7 +13,7 @@
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
 #include "models/steered_model.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/model_file.h"
@@ -226,9 +230,7 @@ int animate(const SimulateArguments& arguments, const models::ParametricModel& p
   return write_animation(arguments.output, animation);
 }
 
-}  // namespace
-
-int run(const SimulateArguments& arguments) {
+int run_simulate(const SimulateArguments& arguments) {
   check_cloud_words(arguments);
   if (!arguments.output.empty())
     check_output(arguments.output, {arguments.model, arguments.coefficients, arguments.wind});
@@ -274,6 +276,54 @@ int run(const SimulateArguments& arguments) {
   warn(fmt::format("{}; rows after t = {:.6g} are empty", trajectory.outcome.message,
                    trajectory.outcome.reached));
   return kToleranceMissed;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<SimulateArguments>();
+  CLI::App* command = app.add_subcommand("simulate", "one trajectory, as CSV; or many in turbulence");
+  command
+      ->add_option("MODEL", values->model,
+                   "name of a model (samara models), or file with equations (MODEL.toml)")
+      ->required();
+  command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
+  command->add_option("--body", values->body.body,
+                      std::string("of kirchhoff_body: its parameters from ") + kBody);
+  add_body_words(*command, values->body, false);
+  command->add_option("--until", values->until, "end of the trajectory, s or with a unit")
+      ->capture_default_str();
+  command->add_option("--frames", values->frames, "rows, equally spaced in time")
+      ->capture_default_str()
+      ->check(whole_number());
+  command
+      ->add_option(
+          "--integrator", values->integrator,
+          "cvodes (the reference), bdf (the same for stiff equations), adaptive (orders 7 and 8), or "
+          "with fixed steps: rk4, rkmk (the attitude stays a rotation), lie_group (of one rigid body: "
+          "neither energy nor momentum drifts)")
+      ->check(CLI::IsMember({"cvodes", "bdf", "adaptive", "rk4", "rkmk", "lie_group"}))
+      ->capture_default_str();
+  command->add_option("--step", values->step,
+                      "of rk4, rkmk, lie_group and realisations, s or with a unit; frames divide it further");
+  command->add_flag("--forces", values->forces,
+                    "add what every force term does: TERM.Fx, TERM.Fy, .. (force), TERM.T.. (torque) in body "
+                    "axes, TERM.power, and the kinetic energy where the model has one");
+  command->add_option(
+      "--coefficients", values->coefficients,
+      "codebook of a series (samara fit --series) that parameters follow in time; what else it "
+      "holds, such as the start, counts where --set says nothing");
+  command->add_option("--wind", values->wind,
+                      "of bodies in space: file of a wind (WIND.toml), with its turbulence drawn by --seed");
+  add_cloud_words(*command, values->cloud);
+  command->add_flag("--json", values->cloud.json,
+                    "print one JSON object: the trajectory, or of realisations means, covariances, landings "
+                    "and their errors");
+  command->add_option("-o,--output", values->output,
+                      "CSV file, of realisations also HDF5 (.h5), or the motion of the body (.glb or .usda), "
+                      "of which --body, "
+                      "--size and --unit may then say what is drawn; stdout if not given");
+  on_call(*command, arguments, values, run_simulate);
 }
 
 }  // namespace samara::apps

@@ -1,6 +1,10 @@
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/motion/database/database_file.h"
 #include "samara/motion/database/database_report.h"
 #include "samara/motion/sweeps/sweep_file.h"
@@ -10,7 +14,15 @@
 
 namespace samara::apps {
 
-int run(const DatabaseArguments& arguments) {
+namespace {
+
+struct DatabaseArguments {
+  std::string sweep;
+  std::string output;
+  bool json = false;
+};
+
+int run_database(const DatabaseArguments& arguments) {
   catch_interrupts();
   check_output(arguments.output, {arguments.sweep});
   const motion::Sweep sweep = motion::load_sweep(arguments.sweep);
@@ -24,6 +36,19 @@ int run(const DatabaseArguments& arguments) {
   print(arguments.json ? motion::database_json(database, graph, kinds)
                        : motion::database_text(database, graph, kinds));
   return kDone;
+}
+
+}  // namespace
+
+void add_database(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<DatabaseArguments>();
+  CLI::App* command = app.add_subcommand(
+      "database",
+      "the falls of a sweep as segments to go on from: what can follow what, and how often it does");
+  command->add_option("SWEEP", values->sweep, "sweep, HDF5")->required();
+  command->add_option("-o,--output", values->output, "database of motions to write, HDF5")->required();
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_database);
 }
 
 }  // namespace samara::apps

@@ -1,8 +1,13 @@
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
 #include "models/steered_model.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/identification/captures/capture_file.h"
@@ -14,6 +19,16 @@
 namespace samara::apps {
 
 namespace {
+
+struct GhostArguments {
+  std::string model;
+  std::string path;              ///< table of poses
+  std::vector<std::string> set;  ///< values of the model
+  std::string coefficients;      ///< course that the motion declares, a file; empty: none
+  std::vector<std::string> box;  ///< ranges of coefficients
+  std::string output;            ///< sizes frame by frame; empty: none
+  bool json = false;
+};
 
 motion::PosePath path_of_file(const std::string& file) {
   const std::vector<identification::Capture> captures = identification::read_captures(file);
@@ -110,9 +125,7 @@ std::string table_of(const motion::GhostForce& ghost) {
   return io::format_csv(header, rows);
 }
 
-}  // namespace
-
-int run(const GhostArguments& arguments) {
+int run_ghost(const GhostArguments& arguments) {
   if (!arguments.output.empty())
     check_output(arguments.output, {arguments.model, arguments.path, arguments.coefficients});
   const auto model = codebooks::open_model(arguments.model);
@@ -143,6 +156,28 @@ int run(const GhostArguments& arguments) {
     print(text_of(ghost, models::force_units(model->info()), units.at("x(0)")));
   }
   return kDone;
+}
+
+}  // namespace
+
+void add_ghost(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<GhostArguments>();
+  CLI::App* command = app.add_subcommand(
+      "ghost", "the invisible force of a motion: what a body would need besides all that its model knows");
+  command->add_option("MODEL", values->model, "name of a model of a falling body, or a file")->required();
+  command->add_option("PATH", values->path, "poses at frames: a table (as simulate writes it), or a sidecar")
+      ->required();
+  command->add_option("--set", values->set, "NAME=VALUE, SI or with a unit; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--coefficients", values->coefficients,
+                      "course of coefficients that the motion was made with (a codebook over time)");
+  command
+      ->add_option("--box", values->box,
+                   "NAME=FROM..TO, a coefficient that may be what hides the force best; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("-o,--output", values->output, "sizes of force and torque frame by frame, CSV");
+  command->add_flag("--json", values->json, "print one JSON object");
+  on_call(*command, arguments, values, run_ghost);
 }
 
 }  // namespace samara::apps

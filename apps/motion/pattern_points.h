@@ -1,6 +1,6 @@
 #pragma once
 
-#include "options/arguments.h"
+#include "motion/patterns_arguments.h"
 #include "samara/motion/sweeps/sweep.h"
 
 /// `samara patterns SWEEP --draw PATTERN` and `--clamp PATTERN`: points of the box by the pattern that they lead to.

@@ -1,9 +1,13 @@
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "motion/motion_answers.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/motion/patterns/disc_phase_diagram.h"
@@ -14,6 +18,14 @@
 namespace samara::apps {
 
 namespace {
+
+struct RegimeArguments {
+  std::string model;
+  std::vector<std::string> set;
+  std::string output;
+  std::string sweep;  ///< whose shares of patterns are told; empty: none
+  bool json = false;
+};
 
 std::string regime_text(const motion::FallNumbers& n, const motion::RegimeAnswer& answer) {
   std::string text = fmt::format(
@@ -59,9 +71,7 @@ Json shares_json(const motion::SharesAt& at) {
   return object;
 }
 
-}  // namespace
-
-int run(const RegimeArguments& arguments) {
+int run_regime(const RegimeArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.model});
   const models::ParametricModel body = body_of(arguments.model, arguments.set);
   const motion::FallNumbers numbers = motion::fall_numbers(body.model(), body.parameters({}));
@@ -92,6 +102,21 @@ int run(const RegimeArguments& arguments) {
   if (shares) object["sweep"] = shares_json(*shares);
   write_answer(arguments.output, object.dump() + "\n");
   return kDone;
+}
+
+}  // namespace
+
+void add_regime(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<RegimeArguments>();
+  CLI::App* command =
+      app.add_subcommand("regime", "Re, the three I*, and where a body stands in the measured phase diagram");
+  command->add_option("MODEL", values->model, "name of a model of a falling body, or a file")->required();
+  command->add_option("--set", values->set, "NAME=VALUE, SI or with a unit")->allow_extra_args(false);
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
+  command->add_option("--sweep", values->sweep,
+                      "a sweep of the model: which shares of its falls near this body have which pattern");
+  on_call(*command, arguments, values, run_regime);
 }
 
 }  // namespace samara::apps

@@ -1,10 +1,13 @@
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <system_error>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "motion/motion_answers.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/file_lock.h"
@@ -17,6 +20,14 @@
 namespace samara::apps {
 
 namespace {
+
+struct SweepArguments {
+  std::string plan;
+  std::string output;
+  bool resume = false;
+  bool fresh = false;
+  bool json = false;
+};
 
 void check_sweep_target(const SweepArguments& arguments) {
   check_output(arguments.output, {arguments.plan});
@@ -54,9 +65,7 @@ void narrate_rounds(const motion::RefiningResult& refined) {
   narrate("refined: " + refined.message);
 }
 
-}  // namespace
-
-int run(const SweepArguments& arguments) {
+int run_sweep(const SweepArguments& arguments) {
   catch_interrupts();
   check_sweep_target(arguments);
   const motion::SweepPlan plan = motion::read_sweep_plan(arguments.plan);
@@ -86,6 +95,23 @@ int run(const SweepArguments& arguments) {
     print(sweep_counts(result.sweep));
   }
   return kDone;
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<SweepArguments>();
+  CLI::App* command =
+      app.add_subcommand("sweep", "the same fall at many points of a box: features and patterns");
+  command->add_option("PLAN", values->plan, "what is swept, TOML")->required();
+  command->add_option("-o,--output", values->output, "sweep file to write, HDF5")->required();
+  CLI::Option* resume = command->add_flag(
+      "--resume", values->resume,
+      "only go on where a sweep of the same plan and output stopped, which is done anyway if there is one");
+  command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier sweep has left")
+      ->excludes(resume);
+  command->add_flag("--json", values->json, kJson);
+  on_call(*command, arguments, values, run_sweep);
 }
 
 }  // namespace samara::apps

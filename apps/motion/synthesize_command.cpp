@@ -1,9 +1,12 @@
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <system_error>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/save.h"
@@ -23,6 +26,19 @@
 namespace samara::apps {
 
 namespace {
+
+struct SynthesizeArguments {
+  std::string plan;
+  std::string output;   ///< the motion
+  std::string course;   ///< its coefficients, a file; empty: none
+  std::string csv;      ///< its states; empty: none
+  std::string picture;  ///< of path and coefficients; empty: none
+  std::string report;   ///< page for the browser; empty: none
+  bool resume = false;  ///< only go on from what an interrupted search has left
+  bool fresh = false;   ///< begin anew
+  ShownWords body;
+  bool json = false;
+};
 
 void check_outputs(const SynthesizeArguments& arguments) {
   const bool is_csv = std::filesystem::path(arguments.output).extension() == ".csv";
@@ -92,9 +108,7 @@ int end_interrupted_search(const motion::PlanningOptions& options, const std::st
   return kInterrupted;
 }
 
-}  // namespace
-
-int run(const SynthesizeArguments& arguments) {
+int run_synthesize(const SynthesizeArguments& arguments) {
   catch_interrupts();
   check_outputs(arguments);
   const motion::MotionPlan plan = motion::read_motion_plan(arguments.plan);
@@ -133,6 +147,35 @@ int run(const SynthesizeArguments& arguments) {
   if (motion.status == motion::MotionStatus::found) return kDone;
   warn(fmt::format("{}: the motion is written all the same", motion.message));
   return kToleranceMissed;
+}
+
+}  // namespace
+
+void add_synthesize(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<SynthesizeArguments>();
+  CLI::App* command = app.add_subcommand("synthesize",
+                                         "a fall that follows a sketch, comes down at a place, or swings and "
+                                         "turns in a given order, by coefficients "
+                                         "that change on the way");
+  command->add_option("PLAN", values->plan, "what the fall is to do, TOML")->required();
+  command->add_option("-o,--output", values->output, "motion to write: .glb, .usda, or .csv of states")
+      ->required();
+  command->add_option("--course", values->course,
+                      "its coefficients over time to write, HDF5: what simulate --coefficients replays");
+  command->add_option("--csv", values->csv, "its states to write");
+  command->add_option("--picture", values->picture,
+                      "path over the sketch, coefficients, invisible force: SVG to write");
+  command->add_option(
+      "--report", values->report,
+      "page for the browser to write: path, coefficients, kinds asked and got, invisible force");
+  CLI::Option* resume = command->add_flag(
+      "--resume", values->resume,
+      "only go on where a search of the same plan and output stopped, which is done anyway if there is one");
+  command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier search has left")
+      ->excludes(resume);
+  add_shown_words(*command, values->body);
+  command->add_flag("--json", values->json, "print one JSON object");
+  on_call(*command, arguments, values, run_synthesize);
 }
 
 }  // namespace samara::apps

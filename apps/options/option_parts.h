@@ -3,7 +3,6 @@
 #include <charconv>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <type_traits>
@@ -13,8 +12,7 @@
 
 #include "options/arguments.h"
 
-/// What options of several commands have in common; for the files that know the option parser, arguments.cpp and
-/// those named *_arguments.cpp.
+/// What options of several commands have in common.
 namespace samara::apps {
 
 inline constexpr const char* kAssignments = "NAME=VALUE, SI or with a unit: C_D=1.2, \"v(0)=10 cm/s\"";
@@ -46,9 +44,10 @@ CLI::Validator whole_number() {
       "");
 }
 
+/// Once the command is called, `run` of its values is what the call is for.
 template <class T>
-void on_call(CLI::App* command, std::optional<T>& target, std::shared_ptr<T> values) {
-  command->callback([&target, values] { target = *values; });
+void on_call(CLI::App& command, Arguments& arguments, std::shared_ptr<T> values, int (*run)(const T&)) {
+  command.callback([&arguments, values, run] { arguments.run = [values, run] { return run(*values); }; });
 }
 
 /// What is drawn: --body, --size, --unit.
@@ -57,13 +56,7 @@ void add_shown_words(CLI::App& command, ShownWords& words);
 /// How large and heavy a body is, and how its added mass is found.
 void add_body_words(CLI::App& command, BodyWords& words, bool required);
 
-void add_simulate(CLI::App& app, Arguments& arguments);
-void add_fit(CLI::App& app, Arguments& arguments);
-void add_design(CLI::App& app, Arguments& arguments);
-void add_compare(CLI::App& app, Arguments& arguments);
-void add_follow(CLI::App& app, Arguments& arguments);
-void add_wind(CLI::App& app, Arguments& arguments);
-void add_explore(CLI::App& app, Arguments& arguments);
-void add_plot(CLI::App& app, Arguments& arguments);
+/// Realisations in turbulence: all but what they share with a single trajectory.
+void add_cloud_words(CLI::App& command, CloudWords& words);
 
 }  // namespace samara::apps

@@ -1,13 +1,16 @@
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
-#include "options/commands.h"
+#include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/figures/book_figures.h"
 #include "samara/codebooks/file/load.h"
@@ -24,6 +27,20 @@ namespace {
 
 using codebooks::Codebook;
 using Panels = std::vector<io::SvgPanel>;
+
+struct PlotArguments {
+  std::string input;  ///< codebook, JSON of a fit, or table
+  std::string of;     ///< empty: trajectories of a codebook, captures of a fit
+  std::vector<std::string> set;
+  std::vector<std::string> outputs;
+  std::string capture;  ///< id, of a fit
+  int points = 64;      ///< of errors
+  std::uint64_t seed = 1;
+  int columns = 2;
+  std::string title;
+  std::string output;
+  bool json = false;
+};
 
 /// What is set, and the middle of the box.
 Eigen::VectorXd point_of(const Codebook& book, const PlotArguments& arguments) {
@@ -127,9 +144,7 @@ Panels panels_of(const PlotArguments& arguments) {
   return panels_of_book(arguments);
 }
 
-}  // namespace
-
-int run(const PlotArguments& arguments) {
+int run_plot(const PlotArguments& arguments) {
   if (arguments.columns < 1)
     throw ArgumentError(fmt::format("--columns is {}, expected at least 1", arguments.columns));
   check_output(arguments.output, {arguments.input});
@@ -137,6 +152,38 @@ int run(const PlotArguments& arguments) {
                             io::svg_charts(arguments.title, panels_of(arguments), arguments.columns));
   tell_of_file(arguments.output, arguments.json);
   return kDone;
+}
+
+}  // namespace
+
+void add_plot(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<PlotArguments>();
+  CLI::App* command = app.add_subcommand("plot", "a picture of a codebook, a fit or a table, as SVG");
+  command->add_option("INPUT", values->input, "codebook, fit (.json), or table (.csv, .tsv)")->required();
+  command
+      ->add_option(
+          "--of", values->of,
+          "of a codebook: trajectories (the default), error, ranks, indices (of Sobol'); of a fit: captures "
+          "(the default), profiles")
+      ->check(CLI::IsMember({"trajectories", "error", "ranks", "indices", "captures", "profiles"}));
+  command
+      ->add_option(
+          "--set", values->set,
+          std::string("of trajectories; the middle of the box where nothing is said: ") + kAssignments)
+      ->allow_extra_args(false);
+  command->add_option("--outputs", values->outputs, "to show; default: all");
+  command->add_option("--capture", values->capture, "id of a capture of the fit; default: the first");
+  command->add_option("--points", values->points, "of errors")->capture_default_str()->check(whole_number());
+  command->add_option("--seed", values->seed, "of these points, from 0")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
+  command->add_option("--columns", values->columns, "of panels")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--title", values->title, "above the picture");
+  command->add_option("-o,--output", values->output, "picture to write, .svg")->required();
+  command->add_flag("--json", values->json, kJsonOfFile);
+  on_call(*command, arguments, values, run_plot);
 }
 
 }  // namespace samara::apps
