@@ -17,7 +17,9 @@ namespace {
 
 constexpr double kEnd = 40.0;
 
-/// Coefficients within 10 % of those of a flutter, and all states that it passes. Where it lies is free by symmetry.
+/// Coefficients within 10 % of those of a flutter, and all states that it passes, but for what symmetry gives: a half turn
+/// of the plate and a reflection bring both velocities to zero or above, where the corner of the law at rest is a corner
+/// of the box. Where it lies is free by symmetry, too.
 constexpr const char* kPlan = R"toml(model = "falling_plate_nd"
 [fixed]
 inertia_ratio = 1.1
@@ -25,16 +27,14 @@ inertia_ratio = 1.1
 C_T = [0.99, 1.21]
 C_R = [2.7, 3.3]
 A = [1.26, 1.54]
-"vx(0)" = [-3.5, 3.5]
-"vy(0)" = [-0.9, 0.3]
-"w(0)" = [-1.1, 1.1]
+"vx(0)" = [0.0, 3.5]
+"vy(0)" = [0.0, 0.65]
+"w(0)" = [-1.0, 1.0]
 "theta(0)" = [-3.14159265358979324, 3.14159265358979324]
 [time]
 end = 0.1
 [tolerance]
-relative = 1e-5
-[builder]
-kind = "pgd"
+relative = 2e-6
 )toml";
 
 struct Composed {

@@ -20,10 +20,10 @@
 /// the symmetry "translation of s": its displacement over a window does not depend on where it starts. Angles
 /// (states in which the model is periodic with a full turn) are wrapped.
 ///
-/// A second chart: where a window begins outside the box, a half turn of the body that its motion does not notice
-/// (motion_symmetry.h, found in the equations) may bring it back; the window is answered there, and its end turned
-/// back. So half a turn of the angle of a plate is enough, and tilts up to a right angle carry a body of such a
-/// symmetry through upside down. Bodies whose two ends are not alike need a second codebook, of the same model,
+/// A second chart: where a window begins outside the box, a half turn of the body or a reflection that its motion does
+/// not notice (motion_symmetry.h, found in the equations) may bring it back; the window is answered there, and its end
+/// taken back. So half a turn of the angle of a plate is enough, or all of it and both velocities from zero on, and
+/// tilts up to a right angle carry a body of such a symmetry through upside down. Bodies whose two ends are not alike need a second codebook, of the same model,
 /// parameters and time, for attitudes near upside down: with the axes "qw(0)" and "qz(0)", qx(0) = 1 and qy(0) = 0
 /// fixed. A window is answered by the first of the two whose box holds its start.
 ///

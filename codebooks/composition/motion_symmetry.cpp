@@ -4,10 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "samara/pgd/tensors/random.h"
 
@@ -49,11 +51,11 @@ class Trials {
     }
     return true;
   }
-  bool keep(const HalfTurn& turn) {
+  bool keep(const MotionImage& image) {
     return states_.size() == kDraws &&
            keep(
-               0.0, [&](const Eigen::VectorXd& x) { return turn.turned(x); },
-               [&](const Eigen::VectorXd& f) -> Eigen::VectorXd { return turn.linear * f; });
+               0.0, [&](const Eigen::VectorXd& x) { return image.of(x); },
+               [&](const Eigen::VectorXd& f) -> Eigen::VectorXd { return image.linear * f; });
   }
   /// Whether f stays as it is when a state is moved.
   bool keep_moved(std::size_t state, double by, double t = 0.0) {
@@ -103,21 +105,59 @@ class Trials {
   Eigen::VectorXd sizes_;  ///< of the rates
 };
 
-/// With signs for the states that may change theirs, so that f keeps it. Fewest changes first.
-std::optional<HalfTurn> with_signs(HalfTurn turn, const std::vector<std::size_t>& may_change,
-                                   Trials& trials) {
-  if (may_change.size() > kMostSigned) return std::nullopt;
-  std::vector<unsigned> patterns(std::size_t{1} << may_change.size());
-  for (unsigned p = 0; p < patterns.size(); ++p) patterns[p] = p;
+/// Which of so many states change their sign, a bit for each: all ways, fewest changes first.
+std::vector<unsigned> sign_patterns(std::size_t states) {
+  std::vector<unsigned> patterns(std::size_t{1} << states);
+  std::iota(patterns.begin(), patterns.end(), 0u);
   std::ranges::stable_sort(patterns, {}, [](unsigned p) { return std::popcount(p); });
-  for (const unsigned pattern : patterns) {
-    for (std::size_t j = 0; j < may_change.size(); ++j) {
-      const auto i = static_cast<Eigen::Index>(may_change[j]);
-      turn.linear(i, i) = (pattern >> j & 1u) != 0 ? -1.0 : 1.0;
-    }
+  return patterns;
+}
+
+bool changes(unsigned pattern, std::size_t j) {
+  return (pattern >> j & 1u) != 0;
+}
+
+void set_signs(Eigen::MatrixXd& linear, const std::vector<std::size_t>& states, unsigned pattern) {
+  for (std::size_t j = 0; j < states.size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(states[j]);
+    linear(i, i) = changes(pattern, j) ? -1.0 : 1.0;
+  }
+}
+
+/// With signs for the states that may change theirs, so that f keeps it. Fewest changes first.
+std::optional<MotionImage> with_signs(MotionImage turn, const std::vector<std::size_t>& may_change,
+                                      Trials& trials) {
+  if (may_change.size() > kMostSigned) return std::nullopt;
+  for (const unsigned pattern : sign_patterns(may_change.size())) {
+    set_signs(turn.linear, may_change, pattern);
     if (trials.keep(turn)) return turn;
   }
   return std::nullopt;
+}
+
+/// All changes of signs that f keeps, but for none at all.
+std::vector<MotionImage> reflections(const MotionImage& none, const models::ModelInfo& info, Trials& trials) {
+  std::vector<MotionImage> found;
+  if (!info.groups.empty() || info.states.size() > kMostSigned) return found;
+  std::vector<std::size_t> all(info.states.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  for (const unsigned pattern : sign_patterns(all.size())) {
+    if (pattern == 0) continue;
+    MotionImage image = none;
+    set_signs(image.linear, all, pattern);
+    if (!trials.keep(image)) continue;
+    std::vector<std::string> names;
+    for (const std::size_t i : all)
+      if (changes(pattern, i)) names.push_back(info.states[i].name);
+    image.name = fmt::format("a reflection of {}", fmt::join(names, ", "));
+    found.push_back(std::move(image));
+  }
+  return found;
+}
+
+/// One image, then the other.
+MotionImage composed(const MotionImage& first, const MotionImage& then) {
+  return {then.linear * first.linear, then.of(first.shift), first.name + " and " + then.name};
 }
 
 /// q times i, j or k: a body that is turned by pi about an axis of its own before q places it.
@@ -143,9 +183,9 @@ MotionSymmetry motion_symmetry(const models::ParametricModel& model, std::span<c
   for (std::size_t i = 0; i < states; ++i)
     symmetry.angles.push_back(!trials.keep_moved(i, 1.0) && trials.keep_moved(i, kFullTurn));
 
-  const HalfTurn none{Eigen::MatrixXd::Identity(std::ssize(info.states), std::ssize(info.states)),
-                      Eigen::VectorXd::Zero(std::ssize(info.states)),
-                      {}};
+  const MotionImage none{Eigen::MatrixXd::Identity(std::ssize(info.states), std::ssize(info.states)),
+                         Eigen::VectorXd::Zero(std::ssize(info.states)),
+                         {}};
   std::vector<bool> in_group(states, false);
   const auto quaternion =
       std::ranges::find(info.groups, models::StateGroupKind::quaternion, &models::StateGroup::kind);
@@ -159,23 +199,29 @@ MotionSymmetry motion_symmetry(const models::ParametricModel& model, std::span<c
       if (i != but && !in_group[i]) list.push_back(i);
     return list;
   };
-  const auto add = [&](std::optional<HalfTurn> found) {
-    if (found) symmetry.turns.push_back(std::move(*found));
+  const auto add = [&](std::optional<MotionImage> found) {
+    if (found) symmetry.images.push_back(std::move(*found));
   };
   if (quaternion != info.groups.end()) {
     for (int axis = 0; axis < 3; ++axis) {
-      HalfTurn turn = none;
+      MotionImage turn = none;
       turn.linear.block<4, 4>(quaternion->first, quaternion->first) = times_unit(axis);
-      turn.name = fmt::format("about the body's {} axis", "xyz"[axis]);
+      turn.name = fmt::format("a half turn about the body's {} axis", "xyz"[axis]);
       add(with_signs(turn, others(states), trials));
     }
   }
   for (std::size_t i = 0; i < states; ++i) {
     if (!symmetry.angles[i] || in_group[i]) continue;
-    HalfTurn turn = none;
+    MotionImage turn = none;
     turn.shift[static_cast<Eigen::Index>(i)] = std::numbers::pi;
-    turn.name = fmt::format("of {} by pi", info.states[i].name);
+    turn.name = fmt::format("a half turn of {} by pi", info.states[i].name);
     add(with_signs(turn, others(i), trials));
+  }
+  const std::size_t turns = symmetry.images.size();
+  for (const MotionImage& reflection : reflections(none, info, trials)) {
+    symmetry.images.push_back(reflection);
+    for (std::size_t t = 0; t < turns; ++t)
+      symmetry.images.push_back(composed(symmetry.images[t], reflection));
   }
   return symmetry;
 }

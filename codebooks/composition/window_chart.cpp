@@ -108,7 +108,7 @@ WindowChart::WindowChart(const Codebook& book) : book_(&book), query_(book) {
         fmt::format("a flow map needs a codebook from t = 0 on; this one begins at {}", time.lower));
   }
   MotionSymmetry symmetry = motion_symmetry(model, lower, upper, 0.37 * window_);
-  turns_ = std::move(symmetry.turns);
+  images_ = std::move(symmetry.images);
   if (!symmetry.autonomous) {
     throw ArgumentError(
         fmt::format("a flow map needs an autonomous model; \"{}\" depends on time", info.name));
@@ -125,11 +125,11 @@ WindowChart::WindowChart(const Codebook& book) : book_(&book), query_(book) {
 }
 
 std::optional<LeavingState> WindowChart::open(WindowStart& at, bool with_derivatives) {
-  at.turn = nullptr;
+  at.image = nullptr;
   std::optional<LeavingState> first = load(at, with_derivatives);
   if (!first) return std::nullopt;
-  for (const HalfTurn& turn : turns_) {
-    at.turn = &turn;
+  for (const MotionImage& image : images_) {
+    at.image = &image;
     const std::optional<LeavingState> leaving = load(at, with_derivatives);
     if (!leaving) return std::nullopt;
     if (is_of_attitude(first->state) && !is_of_attitude(leaving->state)) first = leaving;
@@ -138,9 +138,9 @@ std::optional<LeavingState> WindowChart::open(WindowStart& at, bool with_derivat
 }
 
 std::optional<LeavingState> WindowChart::load(WindowStart& at, bool with_derivatives) {
-  at.turned = at.turn != nullptr ? at.turn->turned(at.start) : at.start;
-  at.reduced = attitude_ ? attitude_->reduced(at.turned, with_derivatives ? &at.reduced_by_start : nullptr)
-                         : at.turned;
+  at.inside = at.image != nullptr ? at.image->of(at.start) : at.start;
+  at.reduced = attitude_ ? attitude_->reduced(at.inside, with_derivatives ? &at.reduced_by_start : nullptr)
+                         : at.inside;
   for (std::size_t i = 0; i < carried_.size(); ++i) {
     const Carried& state = carried_[i];
     double value = at.reduced[static_cast<Eigen::Index>(i)];
@@ -148,13 +148,13 @@ std::optional<LeavingState> WindowChart::load(WindowStart& at, bool with_derivat
       at.shift[i] = state.held ? 0.0 : value - state.origin;
       continue;
     }
-    // Half turns_ and full ones leave an angle at the border by its last digits.
+    // Half turns and full ones leave an angle at the border by its last digits.
     const double slack = state.wraps ? 1e-9 * kTurn : 0.0;
     const bool is_inside = value >= state.lower - slack && value <= state.upper + slack;
     at.shift[i] = state.wraps && !is_inside ? kTurn * std::floor((value - state.lower + slack) / kTurn) : 0.0;
     value -= at.shift[i];
     if (!(value >= state.lower - slack && value <= state.upper + slack))
-      return LeavingState{i, value, at.turn};
+      return LeavingState{i, value, at.image};
     point_[static_cast<std::size_t>(*state.coordinate)] = std::clamp(value, state.lower, state.upper);
   }
   return std::nullopt;
@@ -191,18 +191,18 @@ void WindowChart::answer(const WindowStart& at, double t, Eigen::VectorXd& x, Ei
   answer_reduced(t, at, x, by_start, by_parameters);
   if (attitude_) {
     const bool with_slopes = by_start != nullptr;
-    x = attitude_->restored(x, at.turned, with_slopes ? &by_reduced_ : nullptr,
+    x = attitude_->restored(x, at.inside, with_slopes ? &by_reduced_ : nullptr,
                             with_slopes ? &by_heading_ : nullptr);
     if (with_slopes) {
       *by_start = by_reduced_ * *by_start * at.reduced_by_start + by_heading_;
       *by_parameters = by_reduced_ * *by_parameters;
     }
   }
-  if (at.turn == nullptr) return;
-  x = at.turn->turned_back(x);
+  if (at.image == nullptr) return;
+  x = at.image->back(x);
   if (by_start == nullptr) return;
-  *by_start = at.turn->linear.transpose() * *by_start * at.turn->linear;
-  *by_parameters = at.turn->linear.transpose() * *by_parameters;
+  *by_start = at.image->linear.transpose() * *by_start * at.image->linear;
+  *by_parameters = at.image->linear.transpose() * *by_parameters;
 }
 
 bool WindowChart::is_of_attitude(std::size_t state) const {
@@ -219,9 +219,10 @@ std::string WindowChart::words(const LeavingState& leaving) const {
   const std::string how = !is_reduced                   ? ""
                           : attitude_->is_without_yaw() ? ", without yaw,"
                                                         : ", with the number that is fixed made one,";
-  const std::string after = leaving.turn != nullptr ? fmt::format(" after a half turn {}", leaving.turn->name)
-                            : turns_.empty()        ? ""
-                                                    : ", and a half turn of the body does not bring it back";
+  const std::string after = leaving.image != nullptr ? fmt::format(" after {}", leaving.image->name)
+                            : images_.empty()
+                                ? ""
+                                : ", and what its motion does not notice does not bring it back";
   return fmt::format("{} = {:.6g}{}{} is outside [{}, {}]{}", states_[leaving.state], leaving.value,
                      unit_suffix(units_[leaving.state]), how, state.lower, state.upper, after);
 }

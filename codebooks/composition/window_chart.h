@@ -18,18 +18,18 @@ namespace samara::codebooks {
 /// A state that is outside the box of a codebook at the start of a window.
 struct LeavingState {
   std::size_t state = 0;
-  double value = 0.0;              ///< reduced
-  const HalfTurn* turn = nullptr;  ///< after which it is; null: none
+  double value = 0.0;                  ///< reduced
+  const MotionImage* image = nullptr;  ///< in which it is; null: as it is
 };
 
 /// Where a window begins.
 struct WindowStart {
-  Eigen::VectorXd start;             ///< all states as they are
-  const HalfTurn* turn = nullptr;    ///< of the body, that brings it into the box; null: none is needed
-  Eigen::VectorXd turned;            ///< after it
-  Eigen::VectorXd reduced;           ///< without heading, where an attitude is reduced
-  Eigen::MatrixXd reduced_by_start;  ///< where derivatives are wanted
-  std::vector<double> shift;         ///< what the codebook's states are displaced by
+  Eigen::VectorXd start;               ///< all states as they are
+  const MotionImage* image = nullptr;  ///< that lies in the box; null: none is needed
+  Eigen::VectorXd inside;              ///< that image of them
+  Eigen::VectorXd reduced;             ///< without heading, where an attitude is reduced
+  Eigen::MatrixXd reduced_by_start;    ///< where derivatives are wanted
+  std::vector<double> shift;           ///< what the codebook's states are displaced by
 };
 
 /// One codebook as the flow map of its model over a window (flow_map.h), for the starts that its box holds.
@@ -45,8 +45,8 @@ class WindowChart {
 
   void set_parameters(std::span<const double> q);
 
-  /// Loads the start of a window, after a half turn of the body where that is needed.
-  /// @returns why it is outside the box, if it is: as it is, or for what a turn that helps the attitude leaves
+  /// Loads the start of a window, or an image of it (motion_symmetry.h) where that is needed.
+  /// @returns why it is outside the box, if it is: as it is, or for what an image that helps the attitude leaves
   std::optional<LeavingState> open(WindowStart& at, bool with_derivatives);
 
   /// Whether a state is an angle or a number of the quaternion.
@@ -70,7 +70,7 @@ class WindowChart {
     bool wraps = false;  ///< an angle: full turns do not matter
   };
   Carried carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const;
-  /// After one turn or none.
+  /// As it is, or its image.
   std::optional<LeavingState> load(WindowStart& at, bool with_derivatives);
   /// Reduced, as the start.
   void answer_reduced(double t, const WindowStart& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
@@ -81,7 +81,7 @@ class WindowChart {
   std::vector<std::string> states_, units_;
   std::vector<Carried> carried_;
   std::optional<ReducedAttitude> attitude_;
-  std::vector<HalfTurn> turns_;
+  std::vector<MotionImage> images_;
   std::vector<Coordinate> parameters_;
   std::vector<int> parameter_places_;  ///< coordinates of the codebook
   double window_ = 0.0;

@@ -258,6 +258,48 @@ TEST_CASE("half a turn of an angle carries a body that is the same after half a 
   }
 }
 
+TEST_CASE("half of a box carries a motion whose mirror image moves as it does, with derivatives") {
+  // A damped pendulum: angle and spin change sign together. The box holds one sign of the spin.
+  const BuildResult window = build(parse_plan(R"toml([equations]
+name = "damped_pendulum"
+states.angle = { initial = 0 }
+states.spin = { initial = 1 }
+parameters.pull = {}
+rates.angle = "spin"
+rates.spin = "-0.1*abs(spin)*spin - pull*sin(angle)"
+[box]
+pull = [0.8, 1.2]
+"angle(0)" = [-3.14159265358979324, 3.14159265358979324]
+"spin(0)" = [0.0, 3.0]
+[time]
+end = 0.2
+[tolerance]
+relative = 1e-6
+)toml",
+                                              "pendulum.toml"),
+                                   {.certificate_points = 100});
+  INFO(window.message);
+  REQUIRE(window.met);
+  FlowMap flow_map(window.book);
+  const samara::models::ParametricModel model(model_of(window.book).shared_model(), {},
+                                              {"angle(0)", "spin(0)", "pull"});
+  const std::vector<double> times = steps(8.0, 33);
+  for (const double spin : {-0.7, 2.6}) {  // to and fro, and first over the top
+    const std::vector<double> q = {0.4, spin, 0.93};
+    const FlowMapResult result = flow_map.run(std::span(q).first(2), std::span(q).last(1), times, true);
+    INFO(result.message);
+    REQUIRE(result.status == FlowMapStatus::done);
+    const samara::models::Trajectory exact = samara::models::integrate(model, q, times, {}, true);
+    CHECK(exact.states.col(1).minCoeff() < -0.3);
+    // Forty windows of 1e-6 of ranges up to 6, which grow near the top, by less than e^3.
+    CHECK((result.states - exact.states).cwiseAbs().maxCoeff() < 40 * 6e-6 * 20);
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      const Eigen::VectorXd slopes = result.derivatives[33].col(static_cast<Eigen::Index>(k));
+      CHECK((slopes - exact.sensitivities[k].row(33).transpose()).cwiseAbs().maxCoeff() < 0.02);
+    }
+  }
+}
+
 TEST_CASE("a body that notices a half turn leaves the box there, and it is said when") {
   const BuildResult window = spinning_window(0.05);
   REQUIRE(window.met);
