@@ -13,5 +13,7 @@ void run_channels(const Options& options);
 /// square_22000 and plate_90, which keep their state in files of the working folder and go on from there.
 void run_bluff_bodies(const Options& options);
 void run_costs(const Options& options);
+/// energy_book, which keeps its flows in a file of the working folder.
+void run_energy_book(const Options& options);
 
 }  // namespace samara::benchmarks

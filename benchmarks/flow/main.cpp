@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     run_channels(chosen);
     run_costs(chosen);
     run_bluff_bodies(chosen);
+    run_energy_book(chosen);
   } catch (const std::exception& error) {
     std::cerr << "flow: " << error.what() << '\n';
     return 1;

@@ -23,19 +23,34 @@ void run_channel(const std::string& name, double reynolds, double centre_speed, 
   print({kFlow, name, "k_c_error", std::abs(found.centre_k / centre_k - 1.0), "1", "ode_1d"});
 }
 
-/// The flow on a grid, from the checkpoint that an interrupted measurement has left; one of another solver is refused.
+std::filesystem::path checkpoint_of(const std::string& name, int cells) {
+  return fmt::format("flow_{}_{}.checkpoint", name, cells);
+}
+
+/// The flow on a grid, from the checkpoint that an interrupted measurement has left; one of another solver is refused. The
+/// checkpoint stays until all grids are done, so that finished ones take less than a minute again.
 FlowResult run_body(const std::string& name, FlowCase flow, int cells, const char* baseline) {
   flow.cells_per_length = cells;
   FlowOptions options;
-  options.checkpoint = fmt::format("flow_{}_{}.checkpoint", name, cells);
+  options.checkpoint = checkpoint_of(name, cells);
   options.resume = true;
   options.max_time = 300.0;
   const FlowResult result = solve_flow(flow, options);
-  std::filesystem::remove(options.checkpoint);
   if (result.status != FlowStatus::steady && result.status != FlowStatus::averaged)
     throw NoResultError(fmt::format("{} at {} cells: {}", name, cells, result.message));
   print({kFlow, name, fmt::format("C_D_{}", cells), result.drag.value, "1", baseline});
+  print({kFlow, name, fmt::format("St_{}", cells), result.strouhal, "1", baseline});
+  print({kFlow, name, fmt::format("C_L_rms_{}", cells), result.lift_rms, "1", baseline});
+  print({kFlow, name, fmt::format("bubble_end_{}", cells), result.bubble_end, "l", baseline});
   return result;
+}
+
+std::vector<FlowResult> run_grids(const std::string& name, const FlowCase& flow,
+                                  const std::vector<int>& grids, const char* baseline) {
+  std::vector<FlowResult> results;
+  for (const int cells : grids) results.push_back(run_body(name, flow, cells, baseline));
+  for (const int cells : grids) std::filesystem::remove(checkpoint_of(name, cells));
+  return results;
 }
 
 double clipped(const std::vector<FlowResult>& results) {
@@ -49,8 +64,7 @@ void run_square() {
   FlowCase flow;
   flow.shape = rectangle_section(1.0, 1.0);
   flow.reynolds = 22000;
-  std::vector<FlowResult> grids;
-  for (const int cells : {8, 16, 32}) grids.push_back(run_body(name, flow, cells, "rodi_1997"));
+  const std::vector<FlowResult> grids = run_grids(name, flow, {8, 16, 32}, "rodi_1997");
   const FlowResult& fine = grids.back();
   print({kFlow, name, "C_D", fine.drag.value, "1", "rodi_1997"});
   print({kFlow, name, "St", fine.strouhal, "1", "rodi_1997"});
@@ -65,8 +79,7 @@ void run_plate() {
   flow.shape = rectangle_section(1.0, 0.125);
   flow.angle_of_attack = 0.5 * kPi;
   flow.reynolds = 2e4;
-  std::vector<FlowResult> grids;
-  for (const int cells : {16, 24, 32}) grids.push_back(run_body(name, flow, cells, "self"));
+  const std::vector<FlowResult> grids = run_grids(name, flow, {16, 24, 32}, "self");
   // First order, as measured for bodies with corners, through the two finest.
   const double middle = grids[1].drag.value, fine = grids[2].drag.value;
   print({kFlow, name, "C_D_extrapolated", fine + (fine - middle) * 24.0 / (32.0 - 24.0), "1", "self"});

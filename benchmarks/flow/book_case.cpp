@@ -1,0 +1,72 @@
+// A codebook of loads and energy over the angle of attack and the Reynolds number.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "cases.h"
+#include "samara/flow/books/energy_book.h"
+
+namespace samara::benchmarks {
+
+namespace {
+
+/// A plate of an eighth of its width in a stream. Quick: an ellipse at low Reynolds numbers on a coarse grid, which shows that
+/// the case runs and is no figure.
+std::string plan_text(bool quick) {
+  if (quick)
+    return R"([flow]
+shape = { kind = "ellipse", length = 1, thickness = 0.5 }
+reynolds = 30
+turbulence = "none"
+cells_per_length = 4
+extent = { before = 1.5, behind = 2, side = 1.5 }
+end = "steady"
+max_time = 300
+[box]
+log10_reynolds = [1.45, 1.65]
+[book]
+certificate_points = 3
+)";
+  return R"([flow]
+shape = { kind = "rectangle", length = 1, thickness = 0.125 }
+reynolds = 2e4
+turbulence = "k-epsilon"
+cells_per_length = 16
+end = "mean"
+max_time = 400
+[box]
+angle_of_attack = ["30 deg", "90 deg"]
+log10_reynolds = [4, 5]
+[book]
+certificate_points = 8
+)";
+}
+
+}  // namespace
+
+void run_energy_book(const Options& options) {
+  if (options.only_case != "energy_book") return;
+  const flow::FlowPlan plan = flow::parse_flow_plan(plan_text(options.quick), "energy_book");
+  codebooks::BuildOptions build;
+  build.checkpoint = options.quick ? "flow_energy_book_quick.checkpoint" : "flow_energy_book.checkpoint";
+  build.keep_checkpoint = true;
+  build.resume = true;
+  const codebooks::BuildResult result = flow::build_energy_book(plan, build);
+  const std::vector<codebooks::OutputError>& outputs = result.book.certificate()->outputs;
+  double worst = 0.0, worst_change = 0.0;
+  const Eigen::VectorXd change = flow::discretisation(plan, result.book, {});
+  for (const char* name : {"C_D", "k_near", "strouhal"}) {
+    const auto output = std::ranges::find(outputs, name, &codebooks::OutputError::name);
+    worst = std::max(worst, output->max);
+    worst_change = std::max(worst_change, change[output - outputs.begin()]);
+  }
+  print({kFlow, "energy_book", "certificate_max", worst, "1", "flows the builder did not see"});
+  print({kFlow, "energy_book", "certificate_max_all", result.book.certificate()->max_error, "1",
+         "flows the builder did not see"});
+  print({kFlow, "energy_book", "discretisation", worst_change, "1", "twice the cells"});
+  print({kFlow, "energy_book", "calls", result.book.build().evaluations, "flows"});
+  std::filesystem::remove(build.checkpoint);
+}
+
+}  // namespace samara::benchmarks
