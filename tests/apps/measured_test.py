@@ -17,6 +17,8 @@ import page
 from samara_case import FOLDER, PATIENCE, SAMARA, Case, main
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+NUMBER = r"\d+(?:\.\d+)?"
+PAIR = rf"{NUMBER} \+- {NUMBER}"
 PAGE = (ROOT / "docs/measured_sets.md").read_text()
 LINES = [re.sub(r" +", " ", line) for line in PAGE.replace("\\\n", "").splitlines() if line.startswith("samara ") and "$SAMARA_DATA" in line]
 
@@ -94,23 +96,24 @@ class LongMeasured(Measured):
     def check_coefficients(self, answer, told):
         """@param told "C_R 1.40 +- 0.06, .." of the page: value, and the error of the verdict"""
         verdicts = {c["name"]: c["verdict"] for c in answer["coefficients"]}
-        pairs = re.findall(r"(C_\w+) ([\d.]+) \+- ([\d.]+)", told)
+        pairs = re.findall(rf"(C_\w+) ({NUMBER}) \+- ({NUMBER})", told)
         self.assertGreaterEqual(len(pairs), 1, told)
         for name, *numbers in pairs:
-            found = re.match(r"([\d.]+) \+- ([\d.]+)", verdicts[name]).groups()
+            found = re.match(rf"({NUMBER}) \+- ({NUMBER})", verdicts[name]).groups()
             for number, value in zip(numbers, found):
                 last_digit = 10.0 ** -len(number.partition(".")[2])
                 self.assertAlmostEqual(float(number), float(value), delta=1.01 * last_digit, msg=f"{name}: {verdicts[name]}")
 
     def told(self, motion):
-        """What the page says was reached."""
-        return re.search(rf"^[-|] (?:\*\*)?{re.escape(motion)}.*?(?=\n[-|\n])", PAGE, re.M | re.S).group(0)
+        """What the page says was reached, on one line."""
+        return " ".join(re.search(rf"^[-|] (?:\*\*)?{re.escape(motion)}.*?(?=\n[-|\n])", PAGE, re.M | re.S).group(0).split())
 
     def test_plates(self):
-        reached = self.told("settling plates, POM; PTFE").replace("\n", " ")
+        reached = self.told("settling plates, POM; PTFE")
         first, second = reached.rsplit(";", 1)
-        names = re.findall(r"(C_\w+) [\d.]+ \+-", first)
-        second = ", ".join(f"{name} {numbers}" for name, numbers in zip(names, re.findall(r"[\d.]+ \+- [\d.]+", second)))
+        names = re.findall(rf"(C_\w+) {PAIR}", first)
+        self.assertEqual(len(names), len(re.findall(PAIR, second)))
+        second = ", ".join(f"{name} {numbers}" for name, numbers in zip(names, re.findall(PAIR, second)))
         for config, told, what in (("settling_pom_fit", first, "plates of POM, 0.2 s"), ("settling_ptfe_fit", second, "plates of PTFE, 0.14 s")):
             answer, _ = self.check(self.line(config), what)
             self.assertEqual(answer["status"], "converged")
@@ -121,13 +124,14 @@ class LongMeasured(Measured):
         self.check_coefficients(answer, self.told("a paper card with tags"))
 
     def test_paper(self):
-        first, second = self.told("falling paper discs").replace("\n", " ").rsplit("of 40:", 1)
+        first, second = self.told("falling paper discs").rsplit("of 40:", 1)
         answer, _ = self.check(self.line("falling_paper_fit"), "paper, 0.1 s")
         self.check_coefficients(answer, first)
         self.check(self.line("falling_paper_varying"), "paper, lifts of each span's own")
         answer, _ = self.check(self.line("falling_paper_folds"), "paper, folds, 0.1 s")
-        names = re.findall(r"(C_\w+) [\d.]+ \+-", first)
-        self.check_coefficients(answer, ", ".join(f"{n} {x}" for n, x in zip(names, re.findall(r"[\d.]+ \+- [\d.]+", second))))
+        names = re.findall(rf"(C_\w+) {PAIR}", first)
+        self.assertEqual(len(names), len(re.findall(PAIR, second)))
+        self.check_coefficients(answer, ", ".join(f"{n} {x}" for n, x in zip(names, re.findall(PAIR, second))))
 
 
 class FilmToFalls(Case):
