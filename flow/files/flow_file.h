@@ -8,7 +8,7 @@
 #include "samara/flow/files/flow_plan.h"
 #include "samara/flow/march/solve_flow.h"
 
-/// Flow files: HDF5 of the format "samara-flow" 0.1 (docs/flow.md), all in body lengths and U.
+/// Flow files: HDF5 of the format "samara-flow" 0.1 (docs/flow_file.md), all in body lengths and U.
 namespace samara::flow {
 
 inline constexpr const char* kFlowFormat = "samara-flow";

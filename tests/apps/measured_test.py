@@ -135,10 +135,10 @@ class LongMeasured(Measured):
 
 
 class FilmToFalls(Case):
-    """From a film to new falls of that object, as docs/motion.md walks it: every line of its section."""
+    """From a film to new falls of that object, as docs/film_to_falls.md walks it."""
 
     def test_a_drop_of_paper_becomes_a_chain_and_a_new_fall(self):
-        text = (ROOT / "docs/motion.md").read_text().split("## From a film")[1].split("\n## ")[0]
+        text = (ROOT / "docs/film_to_falls.md").read_text()
         fences = re.findall(r"^ *```sh[^\n]*\n(.*?)^ *```$", text, re.M | re.S)
         self.assertEqual(len(fences), 4)
         reader = page.Reader(SAMARA, FOLDER / "walk", 900 * PATIENCE)

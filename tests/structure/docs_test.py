@@ -32,11 +32,11 @@ class Excerpts(unittest.TestCase):
         self.assertIn(f"```toml\n{text('examples/coin/coin.toml')}```", text("docs/captures.md"))
 
     def test_plan_of_a_command(self):
-        self.assertIn(f"```toml\n{text('examples/command/settling.toml')}```", text("docs/plans.md"))
+        self.assertIn(f"```toml\n{text('examples/command/settling.toml')}```", text("docs/programs.md"))
 
     def test_loop_of_a_program_that_is_kept(self):
         loop = text("examples/command/suspension.py").split("def main():\n")[1].split("\n\n")[0]
-        self.assertIn(f"```python\n{textwrap.dedent(loop)}\n```", text("docs/plans.md"))
+        self.assertIn(f"```python\n{textwrap.dedent(loop)}\n```", text("docs/programs.md"))
 
     def test_own_model(self):
         for name in ["predator_prey.toml", "plan.toml", "counts.toml", "fit.toml", "predator_prey.h", "own_model.cpp", "library.cpp"]:
@@ -213,6 +213,7 @@ class Reference(unittest.TestCase):
         "docs/reference/sweep.md": ["motion/sweeps/sweep_plan.cpp"],
         "docs/reference/flow_plan.md": ["flow/files/flow_plan.cpp"],
         "docs/reference/wind.md": ["codebooks/model/wind_file.cpp"],
+        "docs/reference/motion_plan.md": ["motion/planning/motion_plan.cpp", "motion/planning/motion_sequence.cpp"],
     }
 
     def test_all_keys_are_told(self):
