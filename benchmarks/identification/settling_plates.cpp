@@ -25,7 +25,6 @@ using samara::identification::Flutter;
 namespace {
 
 constexpr double kSide = 0.01;                    ///< m
-constexpr double kWater = 1000.0;                 ///< kg/m^3
 constexpr double kStep = 4.2e-3;                  ///< s: eight a frame
 constexpr double kFrameRate = 30.0;               ///< Hz
 constexpr double kFall = 12.0, kTransient = 4.0;  ///< s

@@ -23,6 +23,7 @@ struct PlateKind {
   int frames;      ///< of a window: one swing
   int ahead;       ///< frames from its end to what is predicted: 0.4 swings
 };
+inline constexpr double kWater = 1000.0;  ///< kg/m^3
 const PlateKind& plate_kind(const std::string& material);
 
 /// Drops of which the source's index finds no jump, gap or swapped label, without their first second: as

@@ -53,6 +53,11 @@ int number_of(const Window& window) {
   return std::stoi(window.capture.labels.at("number"));
 }
 
+/// m/s^2, of plates in water.
+double net_weight(const PlateKind& kind) {
+  return samara::identification::kStandardG * (1.0 - identification::kWater / kind.density);
+}
+
 /// Windows predicted by a fit of every third one of others.
 std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>& others,
                                const std::vector<Window>& left_out) {
@@ -67,8 +72,8 @@ std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>&
              result.seconds, left_out.size(), predicted.fit.seconds);
   std::vector<AskedMoment> moments;
   for (std::size_t k = 0; k < left_out.size(); ++k)
-    moments.push_back(
-        moment_of(left_out[k], number_of(left_out[k]), {}, predicted.next.row(static_cast<Eigen::Index>(k))));
+    moments.push_back(moment_of(left_out[k], number_of(left_out[k]), {},
+                                predicted.next.row(static_cast<Eigen::Index>(k)), net_weight(kind)));
   return moments;
 }
 
@@ -95,7 +100,7 @@ SplitScores one_split(const std::string& test_case, const std::vector<Capture>& 
   std::vector<AskedMoment> training = asked(kind, halves[0], halves[1]);
   for (AskedMoment& moment : asked(kind, halves[1], halves[0])) training.push_back(std::move(moment));
   for (const Window& window : windows_of(drops, order, dense))
-    training.push_back(moment_of(window, number_of(window)));
+    training.push_back(moment_of(window, number_of(window), {}, {}, net_weight(kind)));
   return score_split(fmt::format("{} split {}", test_case, seed), training,
                      asked(kind, windows, windows_of(drops, std::span(order).subspan(kDrops), as_known)));
 }

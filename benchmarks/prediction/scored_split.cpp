@@ -15,11 +15,12 @@ using samara::identification::SaidForecast;
 using samara::identification::TrainedForecasts;
 
 AskedMoment moment_of(const identification::Window& window, int cluster, const Eigen::VectorXd& known,
-                      const Eigen::RowVectorXd& model) {
+                      const Eigen::RowVectorXd& model, double net_weight) {
   return {.moment = {.cluster = cluster,
                      .seen = {.times = window.capture.times,
                               .positions = identification::positions_of(window.capture),
-                              .up = 2},
+                              .up = 2,
+                              .net_weight = net_weight},
                      .known = known,
                      .next = window.next},
           .time = window.next_time,

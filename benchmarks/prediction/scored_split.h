@@ -17,8 +17,10 @@ using samara::identification::PredictionScore;
 
 /// The window as a moment of a motion.
 /// @param model where the model is then; empty: not asked. What is not finite counts as silence
+/// @param net_weight m/s^2, as of SeenMotion
 AskedMoment moment_of(const identification::Window& window, int cluster, const Eigen::VectorXd& known = {},
-                      const Eigen::RowVectorXd& model = {});
+                      const Eigen::RowVectorXd& model = {},
+                      double net_weight = samara::identification::kStandardG);
 
 /// Positions in space, the last component up.
 inline const Components kInSpace = {.level = {0, 1}};

@@ -64,6 +64,7 @@ SeenMotion seen_of(const CapturePrediction& one, const Quantity& quantity) {
   SeenMotion seen{.times = one.seen.times, .positions = one.seen.positions(Eigen::all, quantity.columns)};
   if (one.seen.rates.size() > 0) seen.rates = one.seen.rates(Eigen::all, quantity.columns);
   seen.up = quantity.up;
+  seen.net_weight = quantity.net_weight;
   return seen;
 }
 

@@ -23,6 +23,7 @@ struct Quantity {
   /// Of the columns: those that are level, and the one that is up. A position in space, x, y and z, has them.
   Components components = {};
   Eigen::Index up = -1;
+  double net_weight = kStandardG;  ///< m/s^2, as SeenMotion
 };
 
 /// What was seen of a quantity.

@@ -255,7 +255,7 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
   const FitOptions held = holding(family.info(), fitted, options, prediction);
   const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
   const std::vector<Capture> parts = cut(left_out, predicted, prediction);
-  PredictedCaptures outcome{.compared = quantities(predicted, options)};
+  PredictedCaptures outcome{.compared = quantities(family, predicted, held)};
   add_capture_predictions(family, parts, clusters_left_out(parts, options.uncertainty.cluster_by), predicted,
                           held, prediction, outcome);
   return outcome;

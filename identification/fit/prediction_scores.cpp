@@ -255,7 +255,31 @@ void tally(const CapturePrediction& one, const std::vector<Predictor>& predictor
 
 }  // namespace
 
-std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOptions& options) {
+double net_weight(const models::TrajectoryFamily& family, const FitOptions& held) {
+  const auto value_of = [&](const std::string& name) -> std::optional<double> {
+    for (const auto& values : {held.unknowns.fixed, family.info().fixed}) {
+      if (const auto found = values.find(name); found != values.end()) return found->second;
+    }
+    const models::ParametricModel* const equations = family.equations();
+    if (equations == nullptr) return {};
+    const auto& parameters = equations->model().info().parameters;
+    const auto found = std::ranges::find(parameters, name, &models::ParameterInfo::name);
+    const bool is_free =
+        std::ranges::count(family.info().coordinates, name, &models::FamilyCoordinate::name) > 0;
+    return found == parameters.end() || is_free ? std::nullopt : found->default_value;
+  };
+  const double g = value_of("g").value_or(kStandardG);
+  for (const auto& [own, displaced] : {std::pair{"density", "fluid_density"}, {"mass", "displaced_mass"}}) {
+    const std::optional<double> body = value_of(own), fluid = value_of(displaced);
+    if (!body || !fluid) continue;
+    const double beside = own == std::string("mass") ? value_of("offset_mass").value_or(0.0) : 0.0;
+    return g * (1.0 - *fluid / (*body + beside));
+  }
+  return g;
+}
+
+std::vector<Quantity> quantities(const models::TrajectoryFamily& family, const PredictedOutputs& predicted,
+                                 const FitOptions& held) {
   std::vector<Quantity> result;
   for (std::size_t o = 0; o < predicted.outputs.size(); ++o) {
     const models::FamilyOutput& output = predicted.outputs[o];
@@ -266,11 +290,14 @@ std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOpt
     } else {
       result.push_back({together.empty() ? output.name : together,
                         output.unit,
-                        period_of(output, options),
+                        period_of(output, held),
                         {static_cast<int>(o)}});
     }
   }
-  for (Quantity& quantity : result) add_components(predicted, quantity);
+  for (Quantity& quantity : result) {
+    add_components(predicted, quantity);
+    quantity.net_weight = net_weight(family, held);
+  }
   if (!predicted.attitude.empty()) result.push_back({.name = "attitude", .unit = "rad", .is_attitude = true});
   return result;
 }

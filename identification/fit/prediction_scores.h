@@ -11,7 +11,13 @@
 /// Scores of predictions; internal to identification/.
 namespace samara::identification {
 
-std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOptions& options);
+/// @param held options of a fit with its coefficients held
+std::vector<Quantity> quantities(const models::TrajectoryFamily& family, const PredictedOutputs& predicted,
+                                 const FitOptions& held);
+
+/// m/s^2: what a body weighs under water or in air, by its mass; that of the family's densities (or of its mass and
+/// the mass that it displaces) where both are held, else all of g. Mass that the fluid adds is not counted.
+double net_weight(const models::TrajectoryFamily& family, const FitOptions& held);
 
 /// s beyond the span, of the last frame of all.
 double reach_of(const std::vector<CapturePrediction>& predictions, const PredictionOptions& prediction);

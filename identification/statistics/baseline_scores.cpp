@@ -174,6 +174,62 @@ Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::
 
 namespace {
 
+/// Of the weights that make functional . polynomial of values, the polynomial by least squares.
+double norm_of_weights(const Eigen::MatrixXd& design, const Eigen::VectorXd& functional) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(design);
+  const Eigen::VectorXd permuted = qr.colsPermutation().transpose() * functional;
+  return qr.matrixR()
+      .topRows(design.cols())
+      .triangularView<Eigen::Upper>()
+      .transpose()
+      .solve(permuted)
+      .norm();
+}
+
+double gain_of_component(Baseline baseline, const SeenMotion& span, Eigen::Index component, double time) {
+  const bool by_rates = baseline == Baseline::measured_velocity;
+  const bool is_point = baseline == Baseline::point_with_drag;
+  const int degree = is_point ? degree_of(Baseline::quadratic) : degree_of(baseline);
+  if (by_rates && span.rates.size() == 0) return kNaN;
+  const Eigen::VectorXd values =
+      by_rates ? Eigen::VectorXd(span.positions.col(component) + span.rates.col(component))
+               : Eigen::VectorXd(span.positions.col(component));
+  const std::vector<Eigen::Index> frames = seen_frames(values, follows_end(baseline));
+  if (std::ssize(frames) <= degree) return kNaN;
+  const Eigen::VectorXd t = span.times(frames);
+  const double origin = t[t.size() - 1];
+  const double length = std::max(t.maxCoeff() - t.minCoeff(), std::numeric_limits<double>::min());
+  const Eigen::VectorXd at = Eigen::VectorXd::Constant(1, time);
+  const Eigen::MatrixXd design = powers(t, degree, origin, length);
+  if (!by_rates) return norm_of_weights(design, powers(at, degree, origin, length).row(0).transpose());
+  // Of the integral of the line, less its mean over the frames (RateLine).
+  const auto integral = [&](double until) {
+    const double since = until - origin;
+    return Eigen::Vector2d(since, 0.5 * since * since / length);
+  };
+  Eigen::Vector2d functional = integral(time);
+  for (const double one : t) functional -= integral(one) / static_cast<double>(t.size());
+  return norm_of_weights(design, functional);
+}
+
+}  // namespace
+
+double noise_gain(Baseline baseline, const SeenMotion& span, double time) {
+  check_count("positions", span.positions.rows(), span.times);
+  if (span.rates.size() > 0) check_count("rates", span.rates.rows(), span.times);
+  check_times(span.times, Eigen::VectorXd::Constant(1, time));
+  if (baseline == Baseline::point_with_drag && span.up < 0) return kNaN;
+  double largest = kNaN;
+  for (Eigen::Index c = 0; c < span.positions.cols(); ++c) {
+    const double gain = gain_of_component(baseline, span, c, time);
+    if (std::isnan(gain)) return kNaN;
+    largest = std::isnan(largest) ? gain : std::max(largest, gain);
+  }
+  return largest;
+}
+
+namespace {
+
 /// With the rates of a straight line, by steps of a rotation each.
 Eigen::MatrixX4d turn_on(const SeenTurn& span, Eigen::Index last, const Eigen::VectorXd& times) {
   constexpr int kSteps = 50;  // from one time to the next

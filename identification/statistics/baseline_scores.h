@@ -20,8 +20,8 @@
 /// straight line through that over the span, carried on from the place on which all frames agree best.
 /// Attitudes are predicted as rotation vectors from the last one seen.
 ///
-/// "Point with drag" is the least physics: a point that weighs and is braked by k |v| v, its start and k of each
-/// span's own (point_with_drag.h). It needs a component that is up.
+/// "Point with drag" is the least physics: a point that weighs, less what buoyancy takes off, and is braked by
+/// k |v| v, its start and k of each span's own (point_with_drag.h). It needs a component that is up.
 namespace samara::identification {
 
 enum class Baseline {
@@ -40,13 +40,16 @@ std::string to_string(Baseline baseline);
 /// All of them, in that order.
 const std::vector<Baseline>& all_baselines();
 
+inline constexpr double kStandardG = 9.80665;  ///< m/s^2
+
 /// What a camera saw: times (s), and frames x components (1 to 3 of a position, m), NaN where missing.
 struct SeenMotion {
   Eigen::VectorXd times = {};
   Eigen::MatrixXd positions = {};
   /// How fast they change as a sensor says it, frames x components; NaN where it does not. May be empty.
   Eigen::MatrixXd rates = {};
-  Eigen::Index up = -1;  ///< the component against gravity; below 0: none is
+  Eigen::Index up = -1;            ///< the component against gravity; below 0: none is
+  double net_weight = kStandardG;  ///< m/s^2, of a body: weight less buoyancy, by its mass; below 0: it rises
 };
 
 /// Attitudes that were seen: quaternions (w, x, y, z), body to world, of any length but 0; NaN where missing.
@@ -61,6 +64,12 @@ struct SeenTurn {
 /// no component is up or fewer than 4 frames show all of them.
 /// @throws ArgumentError for sizes that differ or times that are not finite.
 Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::VectorXd& times);
+
+/// By how much the noise of single values grows on the way to a time: the root of the sum of squares of the weights with
+/// which the baseline adds them up; the largest of all components. For the measured velocity these are weights of
+/// rates, in s; a point with drag counts as a parabola. NaN where the baseline is silent.
+/// @throws ArgumentError as predict()
+double noise_gain(Baseline baseline, const SeenMotion& span, double time);
 
 /// The baseline's attitudes at other times, not before those seen: unit quaternions, or NaN.
 /// @throws ArgumentError as above, and for a quaternion of length 0.

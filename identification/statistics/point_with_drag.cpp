@@ -11,29 +11,33 @@ namespace samara::identification {
 
 namespace {
 
-constexpr double kWeight = 9.80665;  ///< m/s^2
-
 /// Place and velocity at the first frame, and log k.
 using Start = Eigen::VectorXd;
 
+/// The component along which the point weighs, and how much, m/s^2.
+struct Weight {
+  Eigen::Index up;
+  double net;
+};
+
 /// Places at times that do not fall, from the first frame on; times x components. Velocities are carried on by
 /// steps that a strong drag does not make unstable: RK4 within a twentieth of a second and of 1/(k |v|).
-Eigen::MatrixXd fly(const Start& start, Eigen::Index up, double begin, const Eigen::VectorXd& times) {
+Eigen::MatrixXd fly(const Start& start, const Weight& weight, double begin, const Eigen::VectorXd& times) {
   const Eigen::Index count = (start.size() - 1) / 2;
   const double k = std::exp(start[2 * count]);
   Eigen::Vector3d x = Eigen::Vector3d::Zero(), v = Eigen::Vector3d::Zero();
   x.head(count) = start.head(count);
   v.head(count) = start.segment(count, count);
-  const Eigen::Vector3d weight = -kWeight * Eigen::Vector3d::Unit(up);
+  const Eigen::Vector3d pull = -weight.net * Eigen::Vector3d::Unit(weight.up);
   const auto acceleration = [&](const Eigen::Vector3d& velocity) -> Eigen::Vector3d {
-    return weight - k * velocity.norm() * velocity;
+    return pull - k * velocity.norm() * velocity;
   };
   Eigen::MatrixXd places(times.size(), count);
   double now = begin;
   for (Eigen::Index row = 0; row < times.size(); ++row) {
     constexpr int kMostSteps = 10000;
     for (int taken = 0; now < times[row] && taken < kMostSteps; ++taken) {
-      const double braking = k * std::max(v.norm(), std::sqrt(kWeight / k));
+      const double braking = k * std::max(v.norm(), std::sqrt(std::abs(weight.net) / k));
       const double h = std::min({times[row] - now, 0.05, 0.5 / braking});
       const Eigen::Vector3d a1 = acceleration(v), v2 = v + 0.5 * h * a1;
       const Eigen::Vector3d a2 = acceleration(v2), v3 = v + 0.5 * h * a2;
@@ -54,9 +58,10 @@ struct Descent {
 };
 
 /// Levenberg and Marquardt, with derivatives by differences.
-Descent descend(Start start, const Eigen::VectorXd& times, const Eigen::MatrixXd& seen, Eigen::Index up) {
+Descent descend(Start start, const Eigen::VectorXd& times, const Eigen::MatrixXd& seen,
+                const Weight& weight) {
   const auto residual = [&](const Start& at) -> Eigen::VectorXd {
-    return (fly(at, up, times[0], times) - seen).reshaped();
+    return (fly(at, weight, times[0], times) - seen).reshaped();
   };
   Eigen::VectorXd r = residual(start);
   double cost = r.squaredNorm(), damping = 1e-3;
@@ -104,18 +109,21 @@ Eigen::MatrixXd predict_point_with_drag(const SeenMotion& span, const Eigen::Vec
     return unsaid;
   const Eigen::VectorXd seen_times = span.times(frames);
   const Eigen::MatrixXd seen = span.positions(frames, Eigen::all);
-  if (times.minCoeff() < seen_times[0]) return unsaid;
+  if (times.minCoeff() < seen_times[0] || !std::isfinite(span.net_weight)) return unsaid;
 
   const Eigen::Index last = seen_times.size() - 1;
   const double length = seen_times[last] - seen_times[0];
   const Eigen::VectorXd mean_velocity = (seen.row(last) - seen.row(0)).transpose() / length;
   // Still gaining speed, or near the final one.
   const double speed = std::max(std::abs(mean_velocity[span.up]), 0.01);
+  const Weight weight = {span.up, span.net_weight};
+  constexpr double kLightest = 1e-3;  // m/s^2: what floats has a drag, too
   Descent best{{}, std::numeric_limits<double>::infinity()};
   for (const double part : {0.1, 1.0}) {
     Start start(2 * count + 1);
-    start << seen.row(0).transpose(), mean_velocity, std::log(part * kWeight / (speed * speed));
-    const Descent here = descend(start, seen_times, seen, span.up);
+    start << seen.row(0).transpose(), mean_velocity,
+        std::log(part * std::max(std::abs(weight.net), kLightest) / (speed * speed));
+    const Descent here = descend(start, seen_times, seen, weight);
     if (here.cost < best.cost) best = here;
   }
   if (best.start.size() == 0) return unsaid;
@@ -123,7 +131,7 @@ Eigen::MatrixXd predict_point_with_drag(const SeenMotion& span, const Eigen::Vec
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<Eigen::Index>(k);
   std::ranges::sort(order, {}, [&](Eigen::Index k) { return times[k]; });
   Eigen::MatrixXd result = unsaid;
-  const Eigen::MatrixXd flown = fly(best.start, span.up, seen_times[0], times(order));
+  const Eigen::MatrixXd flown = fly(best.start, weight, seen_times[0], times(order));
   for (std::size_t k = 0; k < order.size(); ++k)
     result.row(order[k]) = flown.row(static_cast<Eigen::Index>(k));
   return result;

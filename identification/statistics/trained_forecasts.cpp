@@ -73,6 +73,12 @@ Eigen::RowVectorXd silent(Eigen::Index count) {
   return Eigen::RowVectorXd::Constant(count, kSilence);
 }
 
+/// s, from the last frame seen to what is asked.
+double way_of(const AskedMoment& asked) {
+  const Eigen::VectorXd& times = asked.moment.seen.times;
+  return times.size() > 0 ? asked.time - times[times.size() - 1] : kSilence;
+}
+
 }  // namespace
 
 bool is_plain(const std::string& predictor) {
@@ -99,6 +105,18 @@ std::vector<Eigen::MatrixXd> TrainedForecasts::said_by_all(std::span<const Asked
   return said;
 }
 
+std::vector<Eigen::MatrixXd> TrainedForecasts::heard_by_mixtures(const AskedMoment& asked,
+                                                                 std::vector<Eigen::MatrixXd> said) const {
+  constexpr double kBeyond = 2.0;
+  for (std::size_t b = 0; b < gains_.size(); ++b) {
+    const double gain = noise_gain(all_baselines()[b], asked.moment.seen, asked.time);
+    if (gain > kBeyond * gains_[b]) said[b + 1].setConstant(kSilence);
+  }
+  const double way = way_of(asked);
+  if (way > kBeyond * longest_way_ || kBeyond * way < shortest_way_) said.back().setConstant(kSilence);
+  return said;
+}
+
 TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> moments, const Components& components) {
   TrainedForecasts result;
   result.components_ = components;
@@ -111,6 +129,16 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> moments, c
   }
   result.autoregression_ = Autoregression::fit(seen, components);
   const std::vector<Eigen::MatrixXd> said = result.said_by_all(moments, true);
+  result.gains_.assign(all_baselines().size(), 0.0);
+  result.shortest_way_ = std::numeric_limits<double>::infinity();
+  for (const AskedMoment& one : moments) {
+    for (std::size_t b = 0; b < result.gains_.size(); ++b) {
+      const double gain = noise_gain(all_baselines()[b], one.moment.seen, one.time);
+      if (gain > result.gains_[b]) result.gains_[b] = gain;
+    }
+    result.longest_way_ = std::max(result.longest_way_, way_of(one));
+    result.shortest_way_ = std::min(result.shortest_way_, way_of(one));
+  }
   Eigen::MatrixXd measured(std::ssize(moments), said.front().cols());
   for (const Eigen::Index row : all) measured.row(row) = seen[static_cast<std::size_t>(row)].next;
   result.of_baselines_ = shares_of(baselines_of(said), measured, all);
@@ -162,11 +190,21 @@ std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked) const 
   add("model", said.front().row(0), 1.0);
   for (std::size_t b = 0; b < all_baselines().size(); ++b)
     add(to_string(all_baselines()[b]), said[b + 1].row(0), 1.0);
-  add(kMixtureOfBaselines, weighted(baselines_of(said), of_baselines_).row(0), 1.0);
+  const std::vector<Eigen::MatrixXd> heard = heard_by_mixtures(asked, said);
+  const Eigen::RowVectorXd of_baselines = weighted(baselines_of(heard), of_baselines_).row(0);
+  // Where none is as sure as in training, they are all that there is.
+  add(kMixtureOfBaselines,
+      of_baselines.allFinite() ? of_baselines : weighted(baselines_of(said), of_baselines_).row(0), 1.0);
   add(kAutoregression, said.back().row(0), 1.0);
   const Eigen::VectorXd shares = shares_.at(features_of(asked.moment.seen));
-  add(kMixture, shares.size() > 0 ? mixed(said, mixed_, shares, 0) : silent(said.front().cols()),
-      disagreement_of(said)[0]);
+  Eigen::RowVectorXd mixture = silent(said.front().cols());
+  if (shares.size() > 0) {
+    const Eigen::VectorXd alike = Eigen::VectorXd::Ones(shares.size());
+    mixture = mixed(heard, mixed_, shares, 0);
+    if (!mixture.allFinite()) mixture = mixed(heard, mixed_, alike, 0);
+    if (!mixture.allFinite()) mixture = mixed(said, mixed_, shares, 0);
+  }
+  add(kMixture, mixture, disagreement_of(said)[0]);
   return forecasts;
 }
 

@@ -18,6 +18,11 @@
 /// baselines, with shares that vary with speed and acceleration where that helps (local_shares.h). All shares and
 /// weights come from training moments. The mixture's errors grow with the disagreement of predictors, those of
 /// the others do not.
+///
+/// What training moments taught of a baseline holds for moments in which it is about as sure: where the noise of frames
+/// grows more than twice as much on the way (noise_gain()) as in any training moment, since fewer frames were seen or
+/// the way is longer, it leaves its share in both mixtures to the others. So does the autoregression where the way is
+/// twice as long, or half.
 namespace samara::identification {
 
 inline constexpr const char* kMixtureOfBaselines = "mixture of baselines";
@@ -58,12 +63,17 @@ class TrainedForecasts {
   std::vector<Share> shares() const;
 
  private:
+  /// What mixtures hear of one moment: silence from those that are not as sure as in training.
+  std::vector<Eigen::MatrixXd> heard_by_mixtures(const AskedMoment& asked,
+                                                 std::vector<Eigen::MatrixXd> said) const;
   /// What the predictors that are not mixtures say: model, baselines, autoregression; a row a moment.
   std::vector<Eigen::MatrixXd> said_by_all(std::span<const AskedMoment> moments, bool in_training) const;
 
   Components components_ = {};
   Autoregression autoregression_ = {};
-  Eigen::VectorXd of_baselines_ = {};           ///< shares in their mixture
+  std::vector<double> gains_ = {};                 ///< the largest noise_gain() of each baseline in training
+  double shortest_way_ = 0.0, longest_way_ = 0.0;  ///< s, from the last frame seen to what was asked
+  Eigen::VectorXd of_baselines_ = {};              ///< shares in their mixture
   std::vector<std::size_t> mixed_ = {};         ///< of model, baselines, autoregression: those in the mixture
   LocalShares shares_ = {};                     ///< of these
   std::vector<ErrorDistribution> errors_ = {};  ///< in the order of say()

@@ -7,8 +7,10 @@
 
 #include "files.h"
 #include "predicted_motions.h"
+#include "samara/base/streams.h"
 #include "samara/identification/fit/capture_prediction.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/motion_forecasts.h"
 #include "samara/identification/fit/prediction_config.h"
 #include "samara/identification/fit/prediction_scores.h"
 
@@ -98,6 +100,121 @@ TEST_CASE("frames after the origin of a forecast change no bit of it, from file 
   CHECK(known_at(plainly, kSpan).frame_count() == kBump + 1);
   CHECK(std::isnan(known_at(plainly, kSpan).channels[0].values[kBump]));
   CHECK_THROWS_AS(known_at(back, 0.1), samara::Error);  // three frames are no grid
+}
+
+namespace {
+
+/// A forecast of a place in space with all that shows of it, at horizons of its own.
+CapturePrediction made(int cluster, const std::vector<double>& ahead, double drift, double model_error,
+                       samara::Stream& stream) {
+  constexpr int kFrames = 20;
+  CapturePrediction one{.motion = fmt::format("{}", cluster), .cluster = cluster};
+  one.seen.times = Eigen::VectorXd::LinSpaced(kFrames, 0.0, 0.01 * (kFrames - 1));
+  const Eigen::RowVector3d velocity(stream.normal(), stream.normal(), stream.normal());
+  const Eigen::RowVector3d bend(drift * stream.normal(), drift * stream.normal(), drift * stream.normal());
+  const Eigen::RowVector3d kick(drift * stream.normal(), drift * stream.normal(), drift * stream.normal());
+  const double last = one.seen.times[kFrames - 1];
+  const auto place = [&](double t) {
+    const double since = std::max(0.0, t - last);  // which only the model foresees
+    return Eigen::RowVector3d(velocity * t + bend * t * t + kick * since * since);
+  };
+  one.seen.positions.resize(kFrames, 3);
+  for (int k = 0; k < kFrames; ++k) {
+    one.seen.positions.row(k) = place(one.seen.times[k]);
+    for (int c = 0; c < 3; ++c) one.seen.positions(k, c) += 1e-5 * stream.normal();
+  }
+  const auto count = std::ssize(ahead);
+  one.times.resize(count);
+  one.truth.resize(count, 3);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    one.times[k] = one.seen.times[kFrames - 1] + ahead[static_cast<std::size_t>(k)];
+    one.truth.row(k) = place(one.times[k]);
+  }
+  one.model = one.truth;
+  // Near, the model is far off; later it is right.
+  for (int c = 0; c < 3; ++c) one.model(0, c) += model_error * stream.normal();
+  return one;
+}
+
+const std::vector<Quantity> kPlace = {
+    {.name = "position", .unit = "m", .columns = {0, 1, 2}, .components = {.level = {0, 1}}, .up = 2}};
+
+Eigen::RowVectorXd mean_of(const std::vector<SaidForecast>& said, const std::string& predictor) {
+  const auto found = std::ranges::find(said, predictor, &SaidForecast::predictor);
+  REQUIRE(found != said.end());
+  return found->mean;
+}
+
+}  // namespace
+
+TEST_CASE("shares of each horizon are those that its own training frames show") {
+  samara::Stream stream(28, 0);
+  const std::vector<double> ahead = {0.02, 0.3};
+  std::vector<CapturePrediction> training;
+  for (int k = 0; k < 60; ++k) training.push_back(made(k, ahead, 5.0, 0.5, stream));
+  // One of them goes further; too few to learn from.
+  training.push_back(made(60, {0.02, 0.3, 0.6}, 5.0, 0.5, stream));
+  const MotionForecasts trained(kPlace, training, {.span = 0.2, .ahead = 0.3});
+  double near = 0.0, near_model = 0.0, far = 0.0, far_line = 0.0;
+  for (int k = 100; k < 140; ++k) {
+    const CapturePrediction one = made(k, ahead, 5.0, 0.5, stream);
+    const auto here = trained.say(0, one, 0), there = trained.say(0, one, 1);
+    near += (mean_of(here, "mixture") - one.truth.row(0)).norm();
+    near_model += (mean_of(here, "model") - one.truth.row(0)).norm();
+    far += (mean_of(there, "mixture") - one.truth.row(1)).norm();
+    far_line += (mean_of(there, "straight line") - one.truth.row(1)).norm();
+  }
+  CHECK(near < 0.02 * near_model);  // baselines alone
+  CHECK(far < 0.02 * far_line);     // the model alone
+  CHECK_THAT(trained.shares(0), Catch::Contains("0.3 s ahead") && Catch::Contains("model"));
+  // A horizon that one training frame shows is forecast as the nearest one: by the model.
+  const CapturePrediction further = made(200, {0.02, 0.3, 0.6, 0.6}, 5.0, 0.0, stream);
+  CHECK((mean_of(trained.say(0, further, 2), "mixture") - further.truth.row(2)).norm() < 0.05);
+}
+
+TEST_CASE("no later frame changes a bit of what any predictor says, mixtures and distributions among them") {
+  const TestFiles files;
+  const BrakedFamily family;
+  FitOptions options = plain();
+  options.unknowns.fixed = {{"k", 1.4}};
+  options.compared.span = kSpan;
+  const PredictionOptions prediction{.span = kSpan, .ahead = kAhead};
+  const PredictedOutputs outputs{.outputs = {{"x", "m"}}};
+  std::vector<CapturePrediction> training;
+  for (const Capture& capture : braked(0, 9, 2e-3)) {
+    training.push_back(predict_capture(family, capture, outputs, options, prediction));
+    training.back().cluster = static_cast<int>(training.size());
+  }
+  std::vector<Quantity> compared = quantities(family, outputs, options);
+  REQUIRE(compared.size() == 1);
+  compared[0].up = 0;  // so that the point with drag says something
+  const MotionForecasts trained(compared, training, prediction);
+  const auto said_of = [&](const Capture& capture) {
+    const CapturePrediction one = predict_capture(family, capture, outputs, options, prediction);
+    REQUIRE(one.failure.empty());
+    std::vector<double> numbers;
+    for (Eigen::Index frame = 0; frame < one.times.size(); ++frame) {
+      for (const SaidForecast& said : trained.say(0, one, frame)) {
+        if (!std::isfinite(said.mean[0])) continue;
+        numbers.push_back(said.mean[0]);
+        for (const NormalMixture& part : said.parts) {
+          for (const Eigen::VectorXd& of : {part.weights, part.means, part.deviations})
+            numbers.insert(numbers.end(), of.begin(), of.end());
+        }
+      }
+    }
+    return numbers;
+  };
+  const std::vector<double> back = said_of(read(files, "back", false));
+  CHECK(back.size() > 200);
+  CHECK(back == said_of(read(files, "on", true)));
+  // Wild and missing frames after the origin, without cleaning.
+  Capture plainly = read(files, "back", false), wild = plainly;
+  plainly.before_cleaning.reset();
+  wild.before_cleaning.reset();
+  for (Eigen::Index k = kBump + 1; k < wild.times.size(); ++k)
+    wild.channels[0].values[k] = k % 3 == 0 ? std::nan("") : 1e3 * static_cast<double>(k);
+  CHECK(said_of(plainly) == said_of(wild));
 }
 
 TEST_CASE("with a mixture forecasts have distributions, of all captures and of folds") {

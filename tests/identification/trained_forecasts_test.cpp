@@ -206,3 +206,87 @@ TEST_CASE("a point that falls with drag is carried on by its own drag, in space 
     CHECK(predict(Baseline::point_with_drag, seen, times).array().isNaN().all());
   }
 }
+
+TEST_CASE("noise grows on the way to a forecast by as much as noisy places make it scatter") {
+  const auto seen_with = [](int frames, std::uint64_t number) {
+    samara::Stream stream(7, number);
+    SeenMotion seen{.times = Eigen::VectorXd::LinSpaced(frames, 0.0, 0.01 * (frames - 1)),
+                    .positions = Eigen::MatrixXd(frames, 1),
+                    .rates = Eigen::MatrixXd(frames, 1)};
+    for (int k = 0; k < frames; ++k) {
+      seen.positions(k, 0) = stream.normal();
+      seen.rates(k, 0) = 1e3 * stream.normal();
+    }
+    return seen;
+  };
+  constexpr int kDraws = 2000;
+  for (const Baseline baseline : all_baselines()) {
+    if (baseline == Baseline::point_with_drag) continue;
+    const bool by_rates = baseline == Baseline::measured_velocity;
+    const Eigen::VectorXd time = Eigen::VectorXd::Constant(1, 0.3);
+    double squares = 0.0;
+    for (std::uint64_t k = 0; k < kDraws; ++k)
+      squares += std::pow(predict(baseline, seen_with(20, k), time)(0, 0), 2);
+    const double gain = noise_gain(baseline, seen_with(20, 0), 0.3);
+    CAPTURE(to_string(baseline));
+    CHECK((by_rates ? 1e3 : 1.0) * gain == Approx(std::sqrt(squares / kDraws)).epsilon(0.08));
+    CHECK(noise_gain(baseline, seen_with(6, 0), 0.3) > 2.0 * gain);
+    CHECK(std::isnan(noise_gain(baseline, seen_with(1, 0), 0.3)));
+  }
+  CHECK(std::isnan(noise_gain(Baseline::point_with_drag, seen_with(20, 0), 0.3)));  // nothing is up
+}
+
+TEST_CASE("a mixture does not hear a polynomial that has much less to go by than in training") {
+  // Where a third derivative rules, the cubic has the share; of five frames, far ahead, it knows nothing.
+  const auto asked_of = [](std::uint64_t number, int frames) {
+    samara::Stream stream(8, number);
+    const double c3 = 20.0 * stream.normal(), c1 = stream.normal();
+    SeenMotion seen{.times = Eigen::VectorXd::LinSpaced(frames, 0.0, kFrameTime * (frames - 1)),
+                    .positions = Eigen::MatrixXd(frames, 3)};
+    const auto place = [&](double t) {
+      return Eigen::RowVector3d(c1 * t + c3 * t * t * t, c3 * t * t * t, -c1 * t);
+    };
+    for (int k = 0; k < frames; ++k) {
+      seen.positions.row(k) = place(seen.times[k]);
+      for (int c = 0; c < 3; ++c) seen.positions(k, c) += 1e-4 * stream.normal();
+    }
+    const double time = (kSeenFrames - 1) * kFrameTime + kWayAhead;
+    AskedMoment one{.moment = {.cluster = static_cast<int>(number), .seen = seen, .next = place(time)},
+                    .time = time};
+    one.model = one.moment.next;
+    for (int c = 0; c < 3; ++c) one.model[c] += 0.02 * stream.normal();
+    return one;
+  };
+  std::vector<AskedMoment> training;
+  for (std::uint64_t k = 0; k < 80; ++k) training.push_back(asked_of(k, kSeenFrames));
+  const auto trained = TrainedForecasts::train(training, kLevel);
+  double share = 0.0;
+  for (const auto& one : trained.shares()) share += one.predictor == "cubic" ? one.share : 0.0;
+  REQUIRE(share > 0.3);
+  std::vector<AskedMoment> few, enough;
+  for (std::uint64_t k = 200; k < 240; ++k) {
+    few.push_back(asked_of(k, 5));
+    enough.push_back(asked_of(k, kSeenFrames));
+  }
+  CHECK(rms_of(trained, few, "cubic") > 10.0 * rms_of(trained, few, "model"));
+  CHECK(rms_of(trained, few, "mixture") <= 1.05 * rms_of(trained, few, "model"));
+  CHECK(rms_of(trained, enough, "mixture") < rms_of(trained, enough, "model"));
+  // Baselines say what they say; of their mixture, if none is as sure, all.
+  CHECK(rms_of(trained, few, "mixture of baselines") > 0.0);
+}
+
+TEST_CASE("a point under water weighs less, and what is lighter than water rises") {
+  // From rest, x'' = -w + k v^2, as above with w in place of g.
+  const double k = 2.0;
+  for (const double w : {2.85, -2.85}) {
+    const double up = w > 0.0 ? 1.0 : -1.0, a = std::abs(w);
+    const auto height = [&](double t) { return -up * std::log(std::cosh(std::sqrt(a * k) * t)) / k; };
+    SeenMotion seen{.times = Eigen::VectorXd::LinSpaced(31, 0.0, 0.6),
+                    .positions = Eigen::MatrixXd::Zero(31, 3),
+                    .up = 2,
+                    .net_weight = w};
+    for (Eigen::Index row = 0; row < 31; ++row) seen.positions(row, 2) = height(seen.times[row]);
+    const Eigen::VectorXd time = Eigen::VectorXd::Constant(1, 1.2);
+    CHECK(predict(Baseline::point_with_drag, seen, time)(0, 2) == Approx(height(1.2)).margin(1e-6));
+  }
+}
