@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "samara/identification/files/fit_source.h"
+#include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segments.h"
 
@@ -128,6 +130,26 @@ ClusterOfCapture clusters_by_capture(const std::vector<Capture>& captures, const
   return cluster_of;
 }
 
+/// From a fit of all captures.
+void add_evidence(Contender& one) {
+  FitOptions options = one.source.options;
+  options.uncertainty.profiles = false;
+  options.uncertainty.bootstrap = {};
+  options.uncertainty.posterior = {};
+  std::shared_ptr<const FitObjective> objective;
+  const FitResult fitted = fit(*one.source.family, one.captures, options, objective);
+  if (!objective) {
+    one.model.no_evidence = fmt::format("the fit of all captures failed: {}", fitted.message);
+    return;
+  }
+  const Outcome<Evidence> evidence = objective->evidence();
+  if (evidence) {
+    one.model.evidence = *evidence;
+  } else {
+    one.model.no_evidence = evidence.ending().message;
+  }
+}
+
 }  // namespace
 
 ModelComparison compare_files(const ComparisonRequest& request) {
@@ -151,8 +173,9 @@ ModelComparison compare_files(const ComparisonRequest& request) {
             [&] { check_folds(one.captures, one.source.options, one.prediction, folds_of(request, one)); });
   }
   std::vector<ForecastsOfModel> forecasts;
-  for (const Contender& one : contenders) {
+  for (Contender& one : contenders) {
     Warnings warnings;
+    of_file(one.config, [&] { add_evidence(one); });
     const Folds folds = folds_of(request, one);
     forecasts.push_back({one.model.name, of_file(one.config, [&] {
                            return cross_validated_errors(*one.source.family, one.captures, one.source.options,

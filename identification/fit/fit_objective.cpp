@@ -13,6 +13,7 @@
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/solve/laplace_evidence.h"
 #include "samara/identification/statistics/loss.h"
 #include "samara/models/trajectories/trajectory_family.h"
 
@@ -58,7 +59,9 @@ Eigen::VectorXd in_one_row(const FitPoint& point) {
 }  // namespace
 
 struct FitObjective::Impl {
+  const models::TrajectoryFamily& family;
   FitProblem problem;
+  FitPoint point;
   std::vector<FitUnknown> unknowns;
   Eigen::VectorXd answer;
   double dispersion;
@@ -66,9 +69,11 @@ struct FitObjective::Impl {
   std::vector<SegmentResidual> segments;
   Eigen::Index rows = 0;
 
-  Impl(const models::TrajectoryFamily& family, FitProblem of, const std::vector<SegmentResidual>& like,
-       const FitPoint& point, double dispersion_of_residuals)
-      : problem(std::move(of)),
+  Impl(const models::TrajectoryFamily& of_family, FitProblem of, const std::vector<SegmentResidual>& like,
+       const FitPoint& at, double dispersion_of_residuals)
+      : family(of_family),
+        problem(std::move(of)),
+        point(at),
         unknowns(unknowns_of(problem)),
         answer(in_one_row(point)),
         dispersion(dispersion_of_residuals),
@@ -195,6 +200,11 @@ double FitObjective::log_posterior(std::span<const double> q, Eigen::VectorXd* g
     *gradient += slope.transpose();
   });
   return sum;
+}
+
+Outcome<Evidence> FitObjective::evidence() const {
+  const std::scoped_lock lock(impl_->mutex);
+  return laplace_evidence(impl_->family, impl_->problem, impl_->segments, impl_->point);
 }
 
 }  // namespace samara::identification

@@ -7,6 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/termination.h"
+#include "samara/identification/problem/evidence.h"
+
 namespace samara::models {
 class TrajectoryFamily;
 }
@@ -67,6 +70,20 @@ class FitObjective {
   /// where there is no trajectory. Of the four numbers of an attitude only the direction counts.
   /// @param gradient by the unknowns; null if not wanted
   double log_posterior(std::span<const double> q, Eigen::VectorXd* gradient = nullptr) const;
+
+  /// The evidence of the model by Laplace's method (D. MacKay, Information Theory, Inference, and Learning Algorithms,
+  /// 2003, ch. 27 and 28; R. E. Kass, A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, section 4.1): with E the
+  /// -log of likelihood times prior, both normalised, at its minimum, and H the second derivative of E there,
+  ///
+  ///     ln evidence = -E + d/2 ln 2 pi - 1/2 ln det H.
+  ///
+  /// Unknowns are those of log_posterior() and a factor of the noise of all outputs, before the captures equally likely
+  /// by its logarithm from 1/1000 to 1000 loss scales. H is that of the descent (Gauss and Newton). It is off by about
+  /// (d + 1)^2/(4 values) for normal data, whose noise is not known, and by what walls cut off.
+  /// @returns no evidence where a prior is none (an unknown without a finite box, such as an offset) or of several
+  ///   unknowns together, where the loss is no density (Cauchy's), where captures are cut into segments, where the
+  ///   answer is no minimum or nearer than two deviations to a wall, and where something is not determined
+  Outcome<Evidence> evidence() const;
 
  private:
   struct Impl;

@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "samara/identification/fit/prediction.h"
+#include "samara/identification/problem/evidence.h"
 
 /// Which model? Forecasts of the same captures by several models, side by side, and beside the baselines.
 ///
@@ -80,7 +82,14 @@ struct ComparedModel {
   std::string name = {};
   std::string source = {}, model = {};
   int coefficients = 0;  ///< that its fits shared between captures
+  /// Of all captures together, by Laplace's method (fit_objective.h).
+  std::optional<Evidence> evidence = {};
+  std::string no_evidence = {};  ///< why there is none, in one sentence
 };
+
+/// The logarithm of a model's evidence less that of the first; nothing where one has none, or they are not of as many
+/// values.
+std::optional<double> evidence_to_first(std::span<const ComparedModel> models, std::size_t model);
 
 struct ModelComparison {
   std::vector<ComparedModel> models = {};

@@ -44,6 +44,39 @@ Json json_of(const ComparedQuantity& quantity) {
           {"predictors", predictors}};
 }
 
+Json json_of(std::span<const ComparedModel> models, std::size_t k) {
+  const ComparedModel& m = models[k];
+  Json evidence;  // null: none
+  if (m.evidence) {
+    const std::optional<double> to_first = evidence_to_first(models, k);
+    evidence = {{"log", m.evidence->log},
+                {"to_first", to_first ? Json(*to_first) : Json()},
+                {"values", m.evidence->values},
+                {"unknowns", m.evidence->unknowns},
+                {"noise_factor", m.evidence->noise_factor}};
+  }
+  return {{"name", m.name},       {"source", m.source},
+          {"model", m.model},     {"coefficients", m.coefficients},
+          {"evidence", evidence}, {"no_evidence", m.no_evidence}};
+}
+
+/// What the captures say of the models as a whole.
+void add_evidence(const std::vector<ComparedModel>& models, TextEnd out) {
+  fmt::format_to(out, "\n{:<28} {:>12} {:>24}\n", "ln evidence, all captures", "", "less the first");
+  for (std::size_t k = 0; k < models.size(); ++k) {
+    const ComparedModel& m = models[k];
+    if (!m.evidence) {
+      fmt::format_to(out, "  {:<26} none: {}\n", m.name, m.no_evidence);
+      continue;
+    }
+    const std::optional<double> to_first = evidence_to_first(models, k);
+    fmt::format_to(out, "  {:<26} {:>12.2f} {:>23}\n", m.name, m.evidence->log,
+                   k == 0     ? ""
+                   : to_first ? fmt::format("{:+.2f}", *to_first)
+                              : "of other values");
+  }
+}
+
 /// As far as its error leaves it, marked where it is clear.
 std::string shown(const ForecastDifference& difference) {
   if (std::isnan(difference.value)) return "- ";
@@ -88,10 +121,7 @@ void add_quantity(const ModelComparison& comparison, const ComparedQuantity& qua
 
 std::string comparison_json(const ModelComparison& comparison) {
   Json models = Json::array(), quantities = Json::array();
-  for (const ComparedModel& m : comparison.models) {
-    models.push_back(
-        {{"name", m.name}, {"source", m.source}, {"model", m.model}, {"coefficients", m.coefficients}});
-  }
+  for (std::size_t k = 0; k < comparison.models.size(); ++k) models.push_back(json_of(comparison.models, k));
   for (const ComparedQuantity& q : comparison.quantities) quantities.push_back(json_of(q));
   const Json object = {{"schema", "samara-compare/1"},
                        {"by", comparison.by},
@@ -114,6 +144,7 @@ std::string comparison_text(const ModelComparison& comparison) {
     fmt::format_to(out, "  {:<26} {} with {} coefficient{}\n", m.name, m.source, m.coefficients,
                    m.coefficients == 1 ? "" : "s");
   for (const ComparedQuantity& q : comparison.quantities) add_quantity(comparison, q, out);
+  add_evidence(comparison.models, out);
   fmt::format_to(out, "* more than two errors off zero; errors are of clusters drawn anew\n{:.3g} s\n",
                  comparison.seconds);
   return text;

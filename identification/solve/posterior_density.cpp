@@ -76,7 +76,7 @@ double PosteriorDensity::operator()(const FitPoint& point, Eigen::VectorXd& slop
   return sum;
 }
 
-Eigen::MatrixXd PosteriorDensity::curvature(const FitPoint& point) const {
+Eigen::MatrixXd PosteriorDensity::normal_matrix(const FitPoint& point, bool by_slope) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(layout_.all, layout_.all);
   const Eigen::MatrixXd moves = problem_.shared_chart.plus_jacobian(point.shared.data());
   sum.topLeftCorner(layout_.shared, layout_.shared) =
@@ -85,7 +85,11 @@ Eigen::MatrixXd PosteriorDensity::curvature(const FitPoint& point) const {
     const MotionEquations equations = motion_equations(problem_, motion, residuals_, point);
     Eigen::VectorXd weight = weights(equations);
     for (Eigen::Index row = 0; row < weight.size(); ++row) {
-      if (equations.residual[row] != 0.0) weight[row] *= equations.psi[row] / equations.residual[row];
+      if (!by_slope) {
+        weight[row] *= equations.dpsi[row];
+      } else if (equations.residual[row] != 0.0) {
+        weight[row] *= equations.psi[row] / equations.residual[row];
+      }
     }
     const Eigen::MatrixXd by_shared = equations.by_shared * moves;
     const int first = layout_.first_of(motion.first_segment);
@@ -97,6 +101,28 @@ Eigen::MatrixXd PosteriorDensity::curvature(const FitPoint& point) const {
     sum.block(first, 0, own, layout_.shared) += weighted.transpose() * by_shared;
     sum.block(first, first, own, own) += equations.by_own.transpose() * weighted;
   }
+  return sum;
+}
+
+Eigen::MatrixXd PosteriorDensity::second_derivative(const FitPoint& point) const {
+  return normal_matrix(point, false);
+}
+
+PosteriorDensity::DataCost PosteriorDensity::data_cost(const FitPoint& point) const {
+  DataCost result;
+  for (const Motion& motion : problem_.motions) {
+    const MotionEquations equations = motion_equations(problem_, motion, residuals_, point);
+    for (Eigen::Index row = 0; row < equations.residual.size(); ++row) {
+      if (!(equations.is_data[row] > 0.0)) continue;
+      result.cost += 0.5 * loss_value(problem_.loss, equations.residual[row]).rho;
+      ++result.values;
+    }
+  }
+  return result;
+}
+
+Eigen::MatrixXd PosteriorDensity::curvature(const FitPoint& point) const {
+  Eigen::MatrixXd sum = normal_matrix(point, true);
   Eigen::VectorXd beside = Eigen::VectorXd::Constant(layout_.all, 12.0 / std::pow(2.0 * std::numbers::pi, 2));
   for (const BoxedDirection& boxed : boxed_)
     beside[boxed.direction] = 12.0 / std::pow(boxed.upper - boxed.lower, 2);

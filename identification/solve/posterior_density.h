@@ -53,15 +53,26 @@ class PosteriorDensity {
   /// count as it weighs them, boxes and turns as uniform distributions.
   Eigen::MatrixXd curvature(const FitPoint& point) const;
 
+  /// Second derivative of -log of the density at the last point, that of trajectories left out; boxes count for nothing.
+  Eigen::MatrixXd second_derivative(const FitPoint& point) const;
+  /// 1/2 sum of rho over the compared values at the last point, and how many they are.
+  struct DataCost {
+    double cost = 0.0;
+    Eigen::Index values = 0;
+  };
+  DataCost data_cost(const FitPoint& point) const;
+  void set_dispersion(double dispersion) { dispersion_ = dispersion; }
+
  private:
   Eigen::VectorXd weights(const MotionEquations& equations) const;
-
   double cost(const MotionEquations& equations) const;
+  /// @param by_slope whether residuals beyond the bend of the loss count as it weighs them; else as it bends
+  Eigen::MatrixXd normal_matrix(const FitPoint& point, bool by_slope) const;
 
   const FitProblem& problem_;
   const DirectionLayout layout_;
   const std::vector<BoxedDirection> boxed_;
-  const double dispersion_;
+  double dispersion_;
   std::vector<SegmentResidual> residuals_;
 };
 

@@ -57,6 +57,19 @@ class Comparisons(Case):
             self.assertEqual(best["name"], position[f"best_plain_by_{statistic}"])
             self.assertAlmostEqual(right[statistic]["to_plain"]["value"], right[statistic]["value"] - best[statistic]["value"], places=12)
 
+    def test_by_evidence_the_drag_that_the_drops_have_is_preferred_and_without_priors_it_is_said(self):
+        def placed(config):
+            return config.read_text().replace("[box]\n", '[box]\n"x(0)" = [-0.1, 0.1]\n')
+        right, wrong = write("right_placed.toml", placed(self.right)), write("wrong_placed.toml", placed(self.wrong))
+        first, second = self.compared(right, wrong)["models"]
+        self.assertEqual([first["evidence"]["to_first"], first["no_evidence"]], [0, ""])
+        self.assertLess(second["evidence"]["to_first"], -20)
+        self.assertAlmostEqual(second["evidence"]["to_first"], second["evidence"]["log"] - first["evidence"]["log"], places=9)
+        self.assertEqual(first["evidence"]["values"], second["evidence"]["values"])
+        self.assertEqual(first["evidence"]["unknowns"] - second["evidence"]["unknowns"], 1)
+        result = run("compare", right, self.wrong, "--model", "vertical_fall", "--left-out", self.drops, "--by", "drop", "--folds", "2")
+        self.assertIn("wrong                      none: the offset of x", result.stdout)
+
     def test_the_table_says_the_same_and_goes_to_a_file_as_json(self):
         target = FOLDER / "compared.json"
         result = run("compare", self.right, self.wrong, "--model", "vertical_fall", "--left-out", self.drops, "--by", "drop", "--folds", "2", "-o", target)
