@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -107,6 +108,54 @@ std::vector<long> increasing_places(const Eigen::VectorXd& times, const Grid& gr
   return places;
 }
 
+/// m, from each frame to the next; NaN where a place was not seen, empty where none was measured.
+std::vector<double> steps_of(const Capture& capture) {
+  std::vector<double> steps;
+  for (const char* name : {"x", "y", "z"}) {
+    if (!capture.has(name) || capture.channel(name).unit != "m") continue;
+    const Eigen::VectorXd& place = capture.channel(name).values;
+    steps.resize(static_cast<std::size_t>(place.size() - 1));
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const auto at = static_cast<Index>(k);
+      steps[k] = std::hypot(steps[k], place[at + 1] - place[at]);
+    }
+  }
+  return steps;
+}
+
+/// The length of a step that is known to be of one interval near another one; nothing where they differ by more than a
+/// quarter, so that a step of two is not told.
+std::optional<double> usual_step(const std::vector<double>& steps, const std::vector<long>& places,
+                                 std::size_t near) {
+  constexpr std::size_t kEachSide = 4, kFewest = 4;
+  constexpr double kAlike = 0.25;
+  std::vector<double> alike;
+  for (std::size_t k = near - std::min(near, kEachSide); k <= std::min(near + kEachSide, steps.size() - 1);
+       ++k) {
+    if (k != near && places[k + 1] == places[k] + 1 && std::isfinite(steps[k])) alike.push_back(steps[k]);
+  }
+  if (alike.size() < kFewest) return {};
+  const double middle = median(alike);
+  for (const double one : alike) {
+    if (!(std::abs(one - middle) < kAlike * middle)) return {};
+  }
+  return middle;
+}
+
+/// A frame that only the clock misses is none: where the body moved on evenly as by one interval, frames came late.
+std::vector<long> without_late_frames(const Capture& capture, std::vector<long> places) {
+  const std::vector<double> steps = steps_of(capture);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const long interval = places[k + 1] - places[k];
+    if (interval < 2 || !std::isfinite(steps[k])) continue;
+    const std::optional<double> usual = usual_step(steps, places, k);
+    if (!usual) continue;
+    const long late = interval - std::clamp(std::lround(steps[k] / *usual), 1L, interval);
+    for (std::size_t later = k + 1; later < places.size(); ++later) places[later] -= late;
+  }
+  return places;
+}
+
 Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places) {
   Eigen::VectorXd place(times.size());
   for (Index k = 0; k < place.size(); ++k)
@@ -127,7 +176,7 @@ FrameGrid on_frame_grid(const Capture& capture) {
   Grid grid = resonant_grid(times);
   std::vector<long> places = increasing_places(times, grid);
   grid = fitted_grid(times, places);
-  places = increasing_places(times, grid);
+  places = without_late_frames(capture, increasing_places(times, grid));
   grid = fitted_grid(times, places);
 
   FrameGrid result{.capture = capture, .period = grid.period};

@@ -1,11 +1,14 @@
 #include "samara/identification/captures/impact.h"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
 
@@ -55,27 +58,38 @@ struct Slope {
   double time;
 };
 
-/// Slope of frames [first, first + kSide) but one (-1: of all).
-Slope slope(const Path& path, Index first, Index but) {
+/// Slope of frames [first, first + kSide) but one (-1: of all). @param clock of all frames
+Slope slope(const Path& path, const Eigen::VectorXd& clock, Index first, Index but) {
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(kSide);
   if (but >= first && but < first + kSide) weight[but - first] = 0.0;
-  const Eigen::VectorXd times = path.times.segment(first, kSide);
+  const Eigen::VectorXd times = clock.segment(first, kSide);
   const double middle = weight.dot(times) / weight.sum();
   const Eigen::VectorXd lever = weight.cwiseProduct((times.array() - middle).matrix());
   return {lever.transpose() * path.positions.middleRows(first, kSide) / lever.dot(times), middle};
 }
 
+/// Times as if no frame were missing: a few rounded times look like a frame that is not there.
+Eigen::VectorXd without_gaps(const Eigen::VectorXd& times) {
+  const double interval = median_interval(times);
+  Eigen::VectorXd closed = times;
+  for (Index k = 1; k < times.size(); ++k)
+    closed[k] = closed[k - 1] + std::min(times[k] - times[k - 1], interval);
+  return closed;
+}
+
 /// Jump of the velocity between frame `last` and the next, m/s, gravity removed; the least that is left when
-/// one of the frames is left out.
-double jump_after(const Path& path, Index last) {
+/// one of the frames is left out, by any of the clocks.
+double jump_after(const Path& path, std::span<const Eigen::VectorXd> clocks, Index last) {
   const Index first = last + 1 - kSide;
   double least = std::numeric_limits<double>::infinity();
-  for (Index but = first - 1; but < first + 2 * kSide; ++but) {
-    const Slope before = slope(path, first, but);
-    const Slope after = slope(path, last + 1, but);
-    const Eigen::RowVectorXd jump =
-        after.velocity - before.velocity - path.gravity * (after.time - before.time);
-    least = std::min(least, jump.norm());
+  for (const Eigen::VectorXd& clock : clocks) {
+    for (Index but = first - 1; but < first + 2 * kSide; ++but) {
+      const Slope before = slope(path, clock, first, but);
+      const Slope after = slope(path, clock, last + 1, but);
+      const Eigen::RowVectorXd jump =
+          after.velocity - before.velocity - path.gravity * (after.time - before.time);
+      least = std::min(least, jump.norm());
+    }
   }
   return least;
 }
@@ -95,10 +109,11 @@ BeforeImpact before_impact(const Capture& capture, const ImpactOptions& options)
     throw ArgumentError(fmt::format("a jump is {} m/s; more than 0 was expected", options.jump));
   const Path path = seen_path(capture, options);
   BeforeImpact result{.capture = capture};
+  const Eigen::VectorXd clocks[] = {path.times, without_gaps(path.times)};
   std::optional<Index> impact;  // the frame before it
   for (Index last = kSide - 1; last + kSide < path.count(); ++last) {
     if (impact && last > *impact + kSide) break;
-    const double jump = jump_after(path, last);
+    const double jump = jump_after(path, clocks, last);
     if (jump > result.jump) {
       result.jump = jump;
       if (jump > options.jump) impact = last;

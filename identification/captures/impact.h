@@ -25,7 +25,8 @@ struct BeforeImpact {
 
 /// Cuts a capture before its first impact: where the slope of four frames differs from that of the next four,
 /// gravity removed, by more than a jump, whichever one of the eight frames is left out (so that one wrong
-/// frame is no impact). The frame just before the impact goes, too: it may be the moment of contact.
+/// frame is no impact), and whether or not frames are missing among them (nor is a frame that rounded times seem
+/// to lack). The frame just before the impact goes, too: it may be the moment of contact.
 /// @throws ArgumentError if a quantity is not measured, or fewer than 3 frames are left
 BeforeImpact before_impact(const Capture& capture, const ImpactOptions& options = {});
 
