@@ -8,7 +8,6 @@
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
 #include "samara/base/text.h"
-#include "samara/io/atomic_file.h"
 
 namespace samara::io {
 
@@ -134,11 +133,6 @@ std::string format_csv(const std::vector<std::string>& header,
       },
       [&](std::string_view part) { text += part; });
   return text;
-}
-
-void write_csv(const std::filesystem::path& path, const std::vector<std::string>& header,
-               const Eigen::Ref<const Eigen::MatrixXd>& values, const CsvComments& comments) {
-  write_text_atomically(path, format_csv(header, values, comments));
 }
 
 }  // namespace samara::io

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -35,9 +34,5 @@ using AppendRows = std::function<void(Eigen::Index begin, Eigen::Index end, std:
 /// @throws ArgumentError for a header that format_csv() refuses, and what the two functions throw
 void stream_csv(const std::vector<std::string>& header, Eigen::Index rows, const AppendRows& append_rows,
                 const std::function<void(std::string_view)>& take);
-
-/// The same into a file, atomically. @throws ArgumentError also if the file cannot be written.
-void write_csv(const std::filesystem::path& path, const std::vector<std::string>& header,
-               const Eigen::Ref<const Eigen::MatrixXd>& values, const CsvComments& comments = {});
 
 }  // namespace samara::io

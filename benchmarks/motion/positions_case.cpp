@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iostream>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 

@@ -34,20 +34,4 @@ void require_size(const char* what, Size found, Size expected) {
                   found.rows, found.columns, expected.rows, expected.columns));
 }
 
-bool contains(std::span<const pgd::Axis> axes, std::span<const double> x) {
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    if (!axes[k].contains(x[k])) return false;
-  }
-  return true;
-}
-
-std::vector<double> clamped(std::span<const Coordinate> coordinates, std::span<const double> x) {
-  std::vector<double> point(x.begin(), x.end());
-  for (std::size_t k = 0; k < point.size() && k < coordinates.size(); ++k) {
-    point[k] =
-        std::isfinite(point[k]) ? std::clamp(point[k], coordinates[k].lower, coordinates[k].upper) : point[k];
-  }
-  return point;
-}
-
 }  // namespace samara::codebooks

@@ -30,10 +30,4 @@ Size size_of(const Matrix& matrix) {
 /// @throws ArgumentError if the matrix that a caller gave for an answer has another size.
 void require_size(const char* what, Size found, Size expected);
 
-/// Whether the axes' box (borders included) holds the point.
-bool contains(std::span<const pgd::Axis> axes, std::span<const double> x);
-
-/// The nearest point of the box; coordinates that are not finite stay.
-std::vector<double> clamped(std::span<const Coordinate> coordinates, std::span<const double> x);
-
 }  // namespace samara::codebooks

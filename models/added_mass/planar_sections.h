@@ -2,7 +2,9 @@
 
 #include <numbers>
 
-/// Added mass of plane sections per unit span, for any scalar: the formulas of planar.h.
+/// Added mass of plane sections in an unbounded ideal fluid, per unit span, for any scalar: the body axis x' lies along
+/// the chord, y' along the normal, and the kinetic energy of the fluid is 1/2 (m11 vx^2 + m22 vy^2 + I_a w^2) with the
+/// velocity of the centre. Internal to models/.
 namespace samara::models::added_mass {
 
 template <class S>
@@ -19,14 +21,14 @@ S squared_difference_of_squares(const S& a, const S& b) {
   return d * d;
 }
 
-/// Ellipse of semi-axes a, b (H. Lamb, Hydrodynamics, 6th ed., 1932, art. 71).
+/// Ellipse of semi-axes a, b (H. Lamb, Hydrodynamics, 6th ed., 1932, art. 71). b = 0 is a flat plate.
 template <class S>
 SectionAddedMass<S> ellipse_section(const S& a, const S& b, const S& fluid_density) {
   const S k = S(std::numbers::pi) * fluid_density;
   return {k * b * b, k * a * a, S(0.125) * k * squared_difference_of_squares(a, b)};
 }
 
-/// Rectangle of full sides a, b, as fitted in models of falling plates.
+/// Rectangle of full sides a, b, as fitted in models of falling plates: a flat plate of chord a has pi/4 rho a^2.
 template <class S>
 SectionAddedMass<S> rectangle_section(const S& a, const S& b, const S& fluid_density) {
   const S k = S(3.0 * std::numbers::pi / 8.0) * fluid_density;

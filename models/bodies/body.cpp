@@ -153,23 +153,6 @@ Body mesh_body(const TriangleMesh& mesh, double density) {
   return body;
 }
 
-EllipticSection elliptic_section(double a, double b, double density) {
-  require_positive(a, "semi-axis a [m]", "elliptic_section");
-  require_positive(b, "semi-axis b [m]", "elliptic_section");
-  require_density(density, "elliptic_section");
-  const double area = pi * a * b, mass = density * area;
-  return {.area = area, .mass = mass, .inertia = mass * (a * a + b * b) / 4.0};
-}
-
-ProxyEllipsoid proxy_ellipsoid(const Body& body, double fluid_density) {
-  require_positive(fluid_density, "fluid density [kg/m^3]", "proxy_ellipsoid");
-  ProxyEllipsoid proxy;
-  proxy.semi_axes = body.proxy_semi_axes;
-  proxy.volume = 4.0 / 3.0 * pi * body.proxy_semi_axes.prod();
-  proxy.mixed_density = fluid_density + (body.density - fluid_density) * body.volume / proxy.volume;
-  return proxy;
-}
-
 std::vector<std::string> unit_warnings(const Body& body, double fluid_density) {
   std::vector<std::string> warnings = density_warnings(body.density, fluid_density);
   const double longest = 2.0 * body.proxy_semi_axes.maxCoeff(),

@@ -57,30 +57,6 @@ Body plate_body(const Eigen::Vector3d& sides, double density);
 /// @throws ArgumentError also if the mesh is not closed (require_closed).
 Body mesh_body(const TriangleMesh& mesh, double density);
 
-/// Elliptic cylinder with semi-axes a (half chord) and b (half thickness), per metre of span.
-struct EllipticSection {
-  double area = 0.0;     ///< pi a b [m^2]
-  double mass = 0.0;     ///< [kg/m]
-  double inertia = 0.0;  ///< about its axis, m (a^2+b^2)/4 [kg m]
-};
-EllipticSection elliptic_section(double a, double b, double density);
-
-/// An ellipsoid that stands for a body in the fluid.
-struct ProxyEllipsoid {
-  Eigen::Vector3d semi_axes = Eigen::Vector3d::Zero();  ///< [m]
-  double volume = 0.0;                                  ///< [m^3]
-  /// Of the mixture of body and fluid that fills it, (rho_s V + rho_f (V_proxy - V))/V_proxy [kg/m^3].
-  double mixed_density = 0.0;
-};
-
-/// The proxy of a body in a fluid, after section 5.3 of the dissertation (mean density of the body and of the
-/// fluid between it and its proxy). A proxy of the mixed density weighs in the fluid exactly what the
-/// body weighs, whatever its volume: (mixed - rho_f) V_proxy = (rho_s - rho_f) V. Use it for gravity less
-/// buoyancy and take inertia from the body itself: mixed_density V_proxy is not the body's mass, it counts
-/// the fluid in between (negatively where the body is larger than its proxy, as a box is).
-/// @throws ArgumentError if the fluid's density is not a positive number.
-ProxyEllipsoid proxy_ellipsoid(const Body& body, double fluid_density);
-
 /// Warnings of what looks like a mistake of units in a body or a fluid, one sentence each. Solids
 /// below 20 kg/m^3, fluids between 5 and 500 kg/m^3 or below 0.05 or above 2e4, extents above 10 m or below
 /// 1e-5 m.

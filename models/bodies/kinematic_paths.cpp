@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <initializer_list>
-#include <numbers>
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
@@ -76,45 +75,6 @@ PathPoint at(const RosePath& path, double t) {
   point.velocity = {path.amplitude_x * (c * r_rate - W * s * r), path.amplitude_y * (s * r_rate + W * c * r),
                     -path.descent_speed};
   return point;
-}
-
-std::vector<double> segment_ends(const SideToSidePath& path, double until) {
-  check(path);
-  need_finite({{"until", until}});
-  const double half_swing = std::numbers::pi / path.angular_frequency;
-  constexpr double kMost = 1e6;
-  if (until > kMost * half_swing) {
-    throw ArgumentError("until is " + number_text(until) + "; at most a million turns, " +
-                        number_text(kMost * half_swing) + ", was expected");
-  }
-  std::vector<double> ends;
-  for (int k = 0; (k + 0.5) * half_swing <= until; ++k) ends.push_back((k + 0.5) * half_swing);
-  return ends;
-}
-
-double landing_deviation(const LandingStatistics& pattern, double release_height) {
-  need_finite({{"coefficient", pattern.coefficient},
-               {"deviation", pattern.deviation},
-               {"release_height", release_height}});
-  need_positive({{"length", pattern.length}});
-  return pattern.coefficient * pattern.deviation * release_height / pattern.length;
-}
-
-double initial_amplitude(double deviation, double descent_speed, double release_height,
-                         double angular_frequency) {
-  need_finite({{"deviation", deviation}, {"descent_speed", descent_speed}});
-  need_positive({{"release_height", release_height}, {"angular_frequency", angular_frequency}});
-  return deviation * descent_speed / (release_height * angular_frequency);
-}
-
-double tumbling_frequency_scale(double density, double fluid_density, double g, double semi_chord,
-                                double semi_thickness) {
-  need_positive({{"density", density},
-                 {"fluid_density", fluid_density},
-                 {"g", g},
-                 {"semi_chord", semi_chord},
-                 {"semi_thickness", semi_thickness}});
-  return std::sqrt(density / fluid_density * g * semi_thickness) / semi_chord;
 }
 
 }  // namespace samara::models

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 
 /// Paths of falling bodies drawn by formula, without forces: what chapter 3 of the dissertation builds its
@@ -55,34 +53,5 @@ struct RosePath {
 /// @throws ArgumentError if t or a number of the path is not finite, or the frequency is not positive.
 PathPoint at(const SideToSidePath& path, double t);
 PathPoint at(const RosePath& path, double t);
-
-/// Times from 0 up to `until` at which a side-to-side path turns (x' = 0): (2 k + 1) pi/(2 W), k = 0, 1, ..
-/// The source cuts its segments there.
-/// @throws ArgumentError like at(), or if `until` holds more than a million turns.
-std::vector<double> segment_ends(const SideToSidePath& path, double until);
-
-/// How far from the release point a body lands, by pattern.
-struct LandingStatistics {
-  double coefficient = 1.0;  ///< k, 1
-  double deviation = 0.0;    ///< B, m: centre of the distribution of landing distances of the pattern
-  double length = 1.0;       ///< a, m, positive: of the body
-};
-
-/// D = k B h/a [m], eq. (3.9), linear in the release height h as the text says. (The equation prints another
-/// length in its place; this reading is a choice.)
-/// @throws ArgumentError if a number is not finite or length is not positive.
-double landing_deviation(const LandingStatistics& pattern, double release_height);
-
-/// A_0 = D U/(h W) [m], eq. (3.10): the amplitude of a path that drifts by D during a fall from h at speed U.
-/// @throws ArgumentError if a number is not finite, or h or W is not positive.
-double initial_amplitude(double deviation, double descent_speed, double release_height,
-                         double angular_frequency);
-
-/// sqrt(density g b/fluid_density)/a [rad/s]: the scale of the frequency of tumbling, up to a factor near one
-/// (L. Mahadevan, W. Ryu, A. Samuel, Tumbling cards, Phys. Fluids 11 (1999) 1-3), with the factors
-/// that the text of (3.10) drops. a semi-chord [m], b semi-thickness [m].
-/// @throws ArgumentError if one of them is not positive and finite.
-double tumbling_frequency_scale(double density, double fluid_density, double g, double semi_chord,
-                                double semi_thickness);
 
 }  // namespace samara::models

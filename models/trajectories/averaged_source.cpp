@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -65,44 +64,6 @@ class AveragedSource final : public TrajectorySource {
   Eigen::MatrixXd values_, derivatives_;
 };
 
-class AveragedTrajectories final : public TrajectoryFamily {
- public:
-  AveragedTrajectories(std::unique_ptr<TrajectoryFamily> family, const FrameMean& mean)
-      : family_(std::move(family)), mean_(mean), info_(family_->info()) {
-    info_.source = fmt::format("{}, means of {} frames", info_.source, mean.frames);
-    // A frame ends half its width after its time; a state has none.
-    if (mean.frames > 1 && !mean.last_is_state)
-      info_.end_time -= (mean.frames / 2 - kRounding) * mean.interval;
-  }
-
-  const FamilyInfo& info() const override { return info_; }
-  const ParametricModel* equations() const override { return family_->equations(); }
-
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs) const override {
-    std::vector<int> all(info_.coordinates.size());
-    std::iota(all.begin(), all.end(), 0);
-    return at(times, outputs, all);
-  }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs,
-                                       const std::vector<int>& wanted) const override {
-    check_times(times);
-    return averaged_source(*family_, mean_, times, outputs, wanted);
-  }
-
-  std::unique_ptr<TrajectoryFamily> finer() const override {
-    std::unique_ptr<TrajectoryFamily> inner = family_->finer();
-    if (!inner) return nullptr;
-    return std::make_unique<AveragedTrajectories>(std::move(inner), mean_);
-  }
-
- private:
-  std::unique_ptr<TrajectoryFamily> family_;
-  FrameMean mean_;
-  FamilyInfo info_;
-};
-
 }  // namespace
 
 void check_frame_mean(const FrameMean& mean) {
@@ -110,12 +71,6 @@ void check_frame_mean(const FrameMean& mean) {
     throw ArgumentError(fmt::format("a frame is the mean of {}; an odd number was expected", mean.frames));
   }
   if (mean.frames > 1) require_positive(mean.interval, "the time between frames");
-}
-
-std::unique_ptr<TrajectoryFamily> averaged_trajectories(std::unique_ptr<TrajectoryFamily> family,
-                                                        const FrameMean& mean) {
-  check_frame_mean(mean);
-  return std::make_unique<AveragedTrajectories>(std::move(family), mean);
 }
 
 std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family, const FrameMean& mean,

@@ -31,9 +31,4 @@ std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family
                                                   const std::vector<std::string>& outputs,
                                                   const std::vector<int>& wanted);
 
-/// The same as a family.
-/// @throws ArgumentError unless `mean.frames` is odd and positive and `mean.interval` positive.
-std::unique_ptr<TrajectoryFamily> averaged_trajectories(std::unique_ptr<TrajectoryFamily> family,
-                                                        const FrameMean& mean);
-
 }  // namespace samara::models

@@ -18,7 +18,6 @@
 ///
 ///   integrators of a model     models/trajectories/reference_trajectories.h, step_trajectories.h,
 ///                              integrator_trajectories.h
-///   means over frames          models/trajectories/averaged_source.h
 ///   a codebook, a flow map     codebooks/composition/codebook_trajectories.h
 ///   a codebook, and another
 ///   family outside its box     codebooks/composition/mixed_trajectories.h

@@ -15,6 +15,7 @@
 #include "samara/codebooks/file/flat_file.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
 #include "sample_books.h"
 
@@ -64,7 +65,7 @@ void write_reference(const Codebook& book, const std::filesystem::path& stem) {
     query.values(point(points, j), values);
     table.row(j) << points.col(j).transpose(), values.transpose();
   }
-  samara::io::write_csv(stem.string() + ".csv", header, table);
+  samara::io::write_text_atomically(stem.string() + ".csv", samara::io::format_csv(header, table));
 }
 
 }  // namespace

@@ -11,14 +11,12 @@
 #include "../error_text.h"
 #include "samara/io/delimited_table.h"
 #include "samara/io/number_table.h"
-#include "temporary_directory.h"
 
 using Catch::Matchers::Contains;
 using samara::ArgumentError;
 using samara::io::DelimitedTable;
 using samara::io::format_csv;
 using samara::io::NumberTable;
-using samara::io::write_csv;
 
 namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -69,15 +67,6 @@ TEST_CASE("any name survives in the header, and comments do") {
   const DelimitedTable read = DelimitedTable::parse(text, "t");
   CHECK(read.header() == header);
   CHECK(read.comment("k") == "v: w");
-}
-
-TEST_CASE("a table written to a file reads back") {
-  const TemporaryDirectory directory;
-  write_csv(directory / "t.csv", {"a", "b"}, Eigen::MatrixXd::Identity(2, 2));
-  CHECK(DelimitedTable::read(directory / "t.csv").numbers("b") == Eigen::Vector2d(0, 1));
-  CHECK_THAT(error_text<ArgumentError>(
-                 [&] { write_csv(directory / "no/t.csv", {"a"}, Eigen::MatrixXd::Zero(1, 1)); }),
-             Contains("does not exist"));
 }
 
 TEST_CASE("what a table cannot hold is refused") {

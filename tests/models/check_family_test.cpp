@@ -13,7 +13,6 @@
 #include "samara/base/errors.h"
 #include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/laws/registry.h"
-#include "samara/models/trajectories/averaged_source.h"
 #include "samara/models/trajectories/integrator_trajectories.h"
 #include "samara/models/trajectories/reference_trajectories.h"
 #include "samara/models/trajectories/step_trajectories.h"
@@ -188,9 +187,6 @@ TEST_CASE("every family of a model keeps the laws of families") {
   check_passes(*integrator_trajectories(coin, kCoin, kCoinBox, IntegrateOptions{}));
   check_passes(*integrator_trajectories(coin, kCoin, kCoinBox, AdaptiveOptions{}));
   check_passes(*integrator_trajectories(coin, kCoin, kCoinBox, Rk4Options{.step = 1e-3}));
-  const FrameMean mean{.frames = 3, .interval = 0.01};
-  check_passes(*averaged_trajectories(reference_trajectories(coin, kCoin, kCoinBox), mean));
-  check_passes(*averaged_trajectories(step_trajectories(coin, kCoin, kCoinBox, 1e-3), mean));
 }
 
 TEST_CASE("the one trajectory of a model without free coordinates is a family") {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -46,21 +47,6 @@ void check_velocity(const Path& path) {
 TEST_CASE("the velocities of paths are the derivatives of their positions") {
   check_velocity(kLeaf);
   check_velocity(kHelix);
-}
-
-TEST_CASE("a side-to-side path turns at the ends of its segments, and only there") {
-  const std::vector<double> ends = segment_ends(kLeaf, 3.0);
-  REQUIRE(ends.size() == 6);  // pi/(2 W) = 0.262, then every 0.524 up to 2.88
-  CHECK_THAT(ends.front(), WithinRel(std::numbers::pi / 12.0, 1e-15));
-  double begin = 0.0;
-  for (const double end : ends) {
-    CHECK_THAT(at(kLeaf, end).velocity.x(), WithinAbs(0.0, 1e-14));
-    const double middle = at(kLeaf, 0.5 * (begin + end)).velocity.x();
-    CHECK(std::abs(middle) > 0.5);
-    begin = end;
-  }
-  CHECK(segment_ends(kLeaf, 0.2).empty());
-  CHECK(segment_ends(kLeaf, -1.0).empty());
 }
 
 TEST_CASE("the amplitudes of (3.6) are those of the horizontal and of the vertical velocity") {
@@ -127,20 +113,6 @@ TEST_CASE("a rose of k = 4 has four lobes, and eight petals only for a modulatio
   CHECK(maxima_of_radius(1.5) == 8);
 }
 
-TEST_CASE("amplitudes and deviations have the dimension of a length and grow with the release height") {
-  const LandingStatistics pattern = {.coefficient = 0.7, .deviation = 0.05, .length = 0.02};
-  const double D = landing_deviation(pattern, 1.5);
-  CHECK_THAT(landing_deviation(pattern, 3.0), WithinRel(2.0 * D, 1e-15));
-  const double A = initial_amplitude(D, 0.4, 1.5, 6.0);
-  CHECK_THAT(A, WithinRel(D * 0.4 / 9.0, 1e-15));
-  // Lengths in centimetres, times in milliseconds: the same lengths.
-  const LandingStatistics in_cm = {.coefficient = 0.7, .deviation = 5.0, .length = 2.0};
-  CHECK_THAT(landing_deviation(in_cm, 150.0), WithinRel(100.0 * D, 1e-14));
-  CHECK_THAT(initial_amplitude(100.0 * D, 0.04, 150.0, 6e-3), WithinRel(100.0 * A, 1e-14));
-  const double W = tumbling_frequency_scale(2700.0, 1.2, 9.81, 0.01, 0.0005);
-  CHECK_THAT(tumbling_frequency_scale(2.7, 1.2e-3, 981e-6, 1.0, 0.05), WithinRel(W / 1e3, 1e-14));
-}
-
 TEST_CASE("paths refuse numbers without meaning") {
   RosePath path = kHelix;
   path.modulation = std::nan("");
@@ -149,8 +121,4 @@ TEST_CASE("paths refuse numbers without meaning") {
   path.angular_frequency = 0.0;
   CHECK_THROWS_WITH(at(path, 0.0), "angular_frequency is 0; a positive finite number was expected");
   CHECK_THROWS_AS(at(kHelix, std::numeric_limits<double>::infinity()), samara::ArgumentError);
-  CHECK_THROWS_AS(segment_ends(kLeaf, 1e9), samara::ArgumentError);
-  CHECK_THROWS_AS(initial_amplitude(0.1, 0.4, 0.0, 6.0), samara::ArgumentError);
-  CHECK_THROWS_AS(landing_deviation({.length = 0.0}, 1.0), samara::ArgumentError);
-  CHECK_THROWS_AS(tumbling_frequency_scale(2700.0, 0.0, 9.81, 0.01, 0.0005), samara::ArgumentError);
 }

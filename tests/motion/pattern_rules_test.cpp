@@ -2,6 +2,7 @@
 #include "samara/motion/patterns/pattern_rules.h"
 
 #include <array>
+#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -13,7 +13,6 @@
 #include "samara/base/errors.h"
 #include "samara/pgd/axes/axis.h"
 #include "samara/pgd/axes/quadrature.h"
-#include "samara/pgd/fields/resolution.h"
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
@@ -325,7 +324,6 @@ TEST_CASE("the table of bases says what axes of each do") {
     CHECK(axis.basis() == basis);
     CHECK(axis.size() == nodes);
     CHECK(axis.family() == traits.family);
-    CHECK((highest_coefficient_rows(axis).rows() > 0) == traits.tells_resolution);
   }
   CHECK(parameter_basis_names() == std::vector<std::string>{"chebyshev", "legendre", "fourier", "p1", "p2"});
 }

@@ -7,7 +7,6 @@
 
 #include "samara/base/errors.h"
 #include "samara/pgd/axes/axis.h"
-#include "samara/pgd/fields/resolution.h"
 #include "samara/pgd/fields/separated_field.h"
 
 using namespace samara::pgd;
@@ -120,21 +119,6 @@ TEST_CASE("a field over lists has factors of mean square one, answers at the val
   CHECK_THROWS_AS(field(std::vector{1.5, 1.0, 0.25}), samara::OutsideBoxError);
   CHECK_THROWS_WITH(field(std::vector{1.5, 1.0, 0.25}),
                     Contains("plies = 1.5 1 is none of the 2 values of its axis"));
-  CHECK(highest_coefficients(field, 0, std::vector{1.0}, 10, 1) == 0.0);
-  CHECK(highest_coefficients(field, 1, std::vector{1.0}, 10, 1) == 0.0);
-}
-
-TEST_CASE("the highest coefficients on a Fourier axis are those of its two highest harmonics") {
-  const Axis angle = Axis::fourier({"angle"}, 0.0, 1.0, 9);  // harmonics to 4
-  const auto measured = [&](int harmonic) {
-    const Eigen::VectorXd u = (6.283185307179586 * harmonic * angle.nodes().array() + 0.4).cos();
-    return highest_coefficients(SeparatedField({angle}, {{"u"}}, {u}, Eigen::MatrixXd::Ones(1, 1)), 0,
-                                std::vector{2.0}, 5, 1);
-  };
-  const double expected = 0.5 * (std::cos(0.4) + std::sin(0.4));
-  CHECK(measured(4) == Approx(expected));
-  CHECK(measured(3) == Approx(expected));
-  CHECK(measured(2) < 1e-14);
 }
 
 TEST_CASE("values that make no list are refused by name") {

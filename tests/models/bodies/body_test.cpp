@@ -42,10 +42,6 @@ TEST_CASE("ellipsoid, disc, plate and section have their textbook masses and mom
   const Body plate = plate_body({0.3, 0.2, 0.01}, 1000.0);
   CHECK_THAT(plate.mass, WithinRel(0.6, 1e-15));
   CHECK_THAT(plate.principal.moments[2], WithinRel(0.6 * 0.13 / 12.0, 1e-14));
-
-  const EllipticSection section = elliptic_section(0.5, 0.1, 100.0);
-  CHECK_THAT(section.mass, WithinRel(5.0 * pi, 1e-15));
-  CHECK_THAT(section.inertia, WithinRel(5.0 * pi * 0.26 / 4.0, 1e-15));
 }
 
 TEST_CASE("body axes put the longest extent first and the normal of a plate last") {
@@ -141,32 +137,12 @@ TEST_CASE("among equal moments the axes next to the frame are taken") {
   CHECK_THROWS_AS(principal_axes(Matrix3d::Constant(std::nan(""))), samara::ArgumentError);
 }
 
-TEST_CASE("a proxy of the mixed density weighs in the fluid what the body weighs") {
-  for (const Body& body : {plate_body({0.1, 0.05, 0.001}, 700.0), disc_body(0.03, 0.002, 2700.0),
-                           ellipsoid_body({0.1, 0.05, 0.01}, 300.0)}) {
-    for (const double rho_f : {1.2, 998.0}) {
-      const ProxyEllipsoid proxy = proxy_ellipsoid(body, rho_f);
-      CHECK_THAT((proxy.mixed_density - rho_f) * proxy.volume,
-                 WithinRel((body.density - rho_f) * body.volume, 1e-12));
-    }
-  }
-  // The definition, where the proxy is the larger: a cross-shaped mesh is not needed, a small body in a large
-  // bounding ellipsoid will do.
-  Body sparse = ellipsoid_body({1, 1, 1}, 500.0);
-  sparse.proxy_semi_axes = {2, 1, 1};
-  CHECK_THAT(proxy_ellipsoid(sparse, 1000.0).mixed_density, WithinRel(0.5 * 500.0 + 0.5 * 1000.0, 1e-15));
-  const Body solid = ellipsoid_body({0.3, 0.2, 0.1}, 500.0);
-  CHECK_THAT(proxy_ellipsoid(solid, 1.2).mixed_density, WithinRel(500.0, 1e-15));
-}
-
 TEST_CASE("bodies without size or density are refused by name") {
   CHECK_THROWS_WITH(plate_body({0.1, 0.1, 0.0}, 700.0),
                     Contains("plate_body") && Contains("side along z [m] is 0"));
   CHECK_THROWS_WITH(disc_body(-1.0, 0.1, 700.0), Contains("radius [m] is -1"));
   CHECK_THROWS_WITH(ellipsoid_body({1, 1, 1}, 0.0), Contains("density of the solid [kg/m^3] is 0"));
   CHECK_THROWS_WITH(mesh_body(ellipsoid_mesh({1, 1, 1}, 2), std::nan("")), Contains("nan"));
-  CHECK_THROWS_AS(elliptic_section(1.0, 0.0, 1.0), samara::ArgumentError);
-  CHECK_THROWS_AS(proxy_ellipsoid(ellipsoid_body({1, 1, 1}, 1.0), -1.0), samara::ArgumentError);
 }
 
 TEST_CASE("what looks like a mistake of units is said") {
