@@ -308,7 +308,7 @@ class SteppedBuild {
     constexpr Index kTogether = 500;
     for (Index first = 0; first < points.cols(); first += kTogether) {
       const Eigen::MatrixXd some = points.middleCols(first, kTogether);
-      const Eigen::MatrixXd error = pgd::values_at(train, axes_, some) - scaled_values(some, times_);
+      const Eigen::MatrixXd error = pgd::many_values_at(train, axes_, some) - scaled_values(some, times_);
       largest = std::max(largest, error.cwiseAbs().maxCoeff());
     }
     return largest;

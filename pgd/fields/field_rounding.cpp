@@ -11,6 +11,7 @@
 #include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/tensor_train.h"
 #include "samara/pgd/tensors/train_algebra.h"
+#include "samara/pgd/tensors/train_points.h"
 
 namespace samara::pgd {
 
@@ -51,17 +52,6 @@ Eigen::MatrixXd trial_points(const std::vector<Axis>& axes, const Eigen::MatrixX
   return points;
 }
 
-Eigen::MatrixXd values_at(const TrainField& field, const Eigen::MatrixXd& points) {
-  TrainField::Workspace workspace = field.make_workspace();
-  Eigen::MatrixXd values(field.output_count(), points.cols());
-  Eigen::VectorXd value(field.output_count());
-  for (Eigen::Index j = 0; j < points.cols(); ++j) {
-    field.evaluate({points.col(j).data(), static_cast<std::size_t>(points.rows())}, value, workspace);
-    values.col(j) = value;
-  }
-  return values;
-}
-
 TensorTrain with_outputs_scaled(TensorTrain train, const Eigen::VectorXd& factors) {
   train.cores.front().left_unfolding() = factors.asDiagonal() * train.cores.front().left_unfolding();
   return train;
@@ -81,7 +71,7 @@ RoundedField rounded(const TrainField& field, const Eigen::VectorXd& scale, doub
                                     centres.rows(), field.axis_count()));
   }
   const Eigen::MatrixXd points = trial_points(field.axes(), centres, seed);
-  const Eigen::MatrixXd exact = values_at(field, points);
+  const Eigen::MatrixXd exact = many_values_at(field.train(), field.axes(), points);
   const TensorTrain train = with_outputs_scaled(field.train(), scale.cwiseInverse());
   const double entries = full_size(train);
   // Largest errors are some times the mean square: the first trial is generous, the next ones follow what was
@@ -91,7 +81,8 @@ RoundedField rounded(const TrainField& field, const Eigen::VectorXd& scale, doub
   for (int trial = 0; trial < kTrials && mean_square > 0.0; ++trial) {
     TensorTrain cut = rounded(train, mean_square * std::sqrt(entries));
     TrainField candidate(field.axes(), field.outputs(), with_outputs_scaled(std::move(cut), scale));
-    const Eigen::MatrixXd change = scale.cwiseInverse().asDiagonal() * (values_at(candidate, points) - exact);
+    const Eigen::MatrixXd change =
+        scale.cwiseInverse().asDiagonal() * (many_values_at(candidate.train(), field.axes(), points) - exact);
     const double error = change.cwiseAbs().maxCoeff();
     if (error <= tolerance) return {std::move(candidate), error};
     mean_square *= std::clamp(0.8 * tolerance / error, 0.05, 0.8);

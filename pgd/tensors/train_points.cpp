@@ -1,7 +1,9 @@
 #include "samara/pgd/tensors/train_points.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "samara/base/parallel.h"
 #include "samara/pgd/tensors/train_algebra.h"
 
 namespace samara::pgd {
@@ -42,6 +44,32 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axe
     }
     values.col(j).noalias() = train.cores[0].left_unfolding() * after;
   }
+  return values;
+}
+
+Eigen::MatrixXd many_values_at(const TensorTrain& train, const std::vector<Axis>& axes,
+                               const Eigen::MatrixXd& points) {
+  constexpr Eigen::Index kTogether = 64;
+  Eigen::MatrixXd values(train.cores[0].size, points.cols());
+  parallel_for((points.cols() + kTogether - 1) / kTogether, [&](Eigen::Index block) {
+    const Eigen::Index first = block * kTogether, count = std::min(kTogether, points.cols() - first);
+    Eigen::MatrixXd after = Eigen::MatrixXd::Ones(1, count);
+    for (std::size_t k = axes.size(); k-- > 0;) {
+      const TrainCore& core = train.cores[k + 1];
+      const Eigen::MatrixXd at_nodes = core.left_unfolding() * after;
+      after.resize(core.left, count);
+      InterpolationStencil stencil = axes[k].make_stencil();
+      for (Eigen::Index j = 0; j < count; ++j) {
+        axes[k].interpolate(points(static_cast<Eigen::Index>(k), first + j), stencil, false);
+        after.col(j).noalias() = at_nodes.col(j)
+                                     .segment(Eigen::Index{core.left} * stencil.first,
+                                              Eigen::Index{core.left} * stencil.value.size())
+                                     .reshaped(core.left, stencil.value.size()) *
+                                 stencil.value;
+      }
+    }
+    values.middleCols(first, count).noalias() = train.cores[0].left_unfolding() * after;
+  });
   return values;
 }
 

@@ -20,6 +20,11 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const IndexBatch& entries);
 Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axes,
                           const Eigen::MatrixXd& points);
 
+/// The same to rounding, at many points: one product of matrices per mode and block of points, on all threads. What
+/// values_at() reads of every core for each point, this reads once for a block.
+Eigen::MatrixXd many_values_at(const TensorTrain& train, const std::vector<Axis>& axes,
+                               const Eigen::MatrixXd& points);
+
 /// From values at the nodes to values at points: points x nodes.
 Eigen::MatrixXd interpolation_matrix(const Axis& from, const Eigen::VectorXd& points);
 

@@ -9,6 +9,8 @@
 #include "samara/pgd/fields/field.h"
 #include "samara/pgd/fields/field_algebra.h"
 #include "samara/pgd/fields/train_field_algebra.h"
+#include "samara/pgd/tensors/random.h"
+#include "samara/pgd/tensors/train_points.h"
 
 using namespace samara::pgd;
 using Catch::Contains;
@@ -137,4 +139,19 @@ TEST_CASE("trains refuse what sums refuse, by name") {
   CHECK_THROWS_WITH(integral(field, "c"), Contains("no axis \"c\""));
   CHECK_THROWS_WITH(mean(mean(mean(field, "a"), "b"), "t"), Contains("\"t\" is the only axis"));
   CHECK_THROWS_WITH(sum(field, mean(field, "a")), Contains("3 and 2 axes"));
+}
+
+TEST_CASE("many points at once have the values of each by itself, on elements and beyond a block") {
+  const TrainField field = random_pair(3, 5, 11).train;
+  Random random(4);
+  Eigen::MatrixXd points(3, 150);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const Axis& axis = field.axes()[static_cast<std::size_t>(k)];
+      points(k, j) = axis.lower() + axis.length() * random.uniform();
+    }
+  }
+  const Eigen::MatrixXd many = many_values_at(field.train(), field.axes(), points);
+  const Eigen::MatrixXd each = values_at(field.train(), field.axes(), points);
+  CHECK((many - each).cwiseAbs().maxCoeff() < 1e-13 * each.cwiseAbs().maxCoeff());
 }
