@@ -273,29 +273,38 @@ Questions questions_of(const std::vector<BlimpFlight>& flights, double ahead) {
 
 }  // namespace
 
-std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights,
-                                       const Coefficients& coefficients, double ahead) {
-  const auto [seen, truth] = questions_of(flights, ahead);
-  const auto blimp = family(coefficients, start_box());
-  const FitOptions options = start_options();
-  const FitResult starts = fit(*blimp, seen, options);
+std::map<std::string, double> blimp_body(const BlimpFlight& flight) {
+  std::map<std::string, double> values = body();
+  for (const auto& [quantity, name] : kKnown) values[name] = std::stod(flight.capture.labels.at(name));
+  return values;
+}
+
+std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights, double ahead) {
+  const auto frames_ahead = static_cast<Eigen::Index>(std::lround(ahead * static_cast<double>(kRate)));
   std::vector<BlimpMoment> moments;
-  for (std::size_t k = 0; k < seen.size(); ++k) {
-    BlimpMoment moment{.flight = std::stoi(seen[k].labels.at("flight")), .time = truth[k].times[0]};
-    moment.seen = {.times = seen[k].times, .positions = positions_of(seen[k])};
-    moment.seen.rates.resize(seen[k].frame_count(), 3);
-    for (Eigen::Index frame = 0; frame < moment.seen.rates.rows(); ++frame) {
-      const auto at = [&](const char* name) { return seen[k].channel(name).values[frame]; };
-      const Eigen::Quaterniond q(at("qw"), at("qx"), at("qy"), at("qz"));
-      moment.seen.rates.row(frame) =
-          (q.normalized() * Eigen::Vector3d(at("ux"), at("uy"), at("uz"))).transpose();
+  for (std::size_t k = 0; k < flights.size(); ++k) {
+    const Capture& capture = flights[k].capture;
+    const std::map<std::string, double> known = blimp_body(flights[k]);
+    const double net_mass = known.at("mass") + known.at("offset_mass") - known.at("displaced_mass");
+    for (Eigen::Index now = kSeen; now + frames_ahead < capture.frame_count(); now += kBetweenMoments) {
+      const Capture seen = window_of(capture, now - kSeen, kSeen);
+      BlimpMoment moment{.flight = k, .origin = now};
+      moment.seen = {.times = seen.times,
+                     .positions = positions_of(seen),
+                     .rates = Eigen::MatrixX3d(seen.frame_count(), 3),
+                     .up = 2,
+                     .net_weight = known.at("g") * net_mass / (known.at("mass") + known.at("offset_mass"))};
+      for (Eigen::Index frame = 0; frame < seen.frame_count(); ++frame) {
+        const auto at = [&](const char* name) { return seen.channel(name).values[frame]; };
+        const Eigen::Quaterniond q(at("qw"), at("qx"), at("qy"), at("qz"));
+        moment.seen.rates.row(frame) =
+            (q.normalized() * Eigen::Vector3d(at("ux"), at("uy"), at("uz"))).transpose();
+      }
+      const Capture truth = frames_of(capture, now + frames_ahead, 1, capture.times[now - kSeen]);
+      moment.time = truth.times[0];
+      moment.next = positions_of(truth).row(0);
+      moments.push_back(std::move(moment));
     }
-    moment.next = positions_of(truth[k]).row(0);
-    moment.model.setConstant(INFINITY);
-    const auto model =
-        samara::identification::fitted_motion(*blimp, options, starts, k, {moment.time}, {"x", "y", "z"});
-    if (model) moment.model = model->row(0);
-    moments.push_back(std::move(moment));
   }
   return moments;
 }

@@ -51,16 +51,19 @@ FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mas
 /// Standard errors by leaving out one flight at a time (jackknife).
 Coefficients jackknife_errors(const std::vector<BlimpFlight>& flights);
 
-/// A moment of a flight: what was seen for a tenth of a second, where it was later, and where the model says.
+/// The body, by the model's names: the makers' measurements, and what is known of a flight.
+std::map<std::string, double> blimp_body(const BlimpFlight& flight);
+
+/// A moment of a flight: what baselines saw for a tenth of a second, and where it was later.
 struct BlimpMoment {
-  int flight = 0;
+  std::size_t flight = 0;                        ///< place among the flights
+  Eigen::Index origin = 0;                       ///< its last frame that counts as seen
   samara::identification::SeenMotion seen = {};  ///< with velocities in the world
   double time = 0.0;                             ///< s, in the times of what was seen
-  Eigen::RowVector3d next = {}, model = {};      ///< m; the model's infinite where it has no motion
+  Eigen::RowVector3d next = {};                  ///< m
 };
-/// From moments half a second apart. @param ahead s, after the last frame seen
-std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights,
-                                       const Coefficients& coefficients, double ahead);
+/// Half a second apart, the flights in turn. @param ahead s, after the last frame seen
+std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights, double ahead);
 
 /// Errors at a time after the last frame that predictors saw, from many moments of all flights.
 struct BlimpErrors {

@@ -1,14 +1,16 @@
-/// A miniature blimp, a tenth of a second seen: one and two seconds on, straights and spirals, in three splits of the
-/// twelve flights. Each has four left out, a spiral among them (of the two that there are, one is fitted).
+/// A miniature blimp: one and two seconds on, straights and spirals, in three splits of the twelve flights. Each has
+/// four left out, a spiral among them (of the two that there are, one is fitted).
 ///
-/// Errors and shares come from the flights of the fit: halves of each are predicted by a fit of the other halves.
-/// There is one spiral among them, and a fit without it knows nothing of sideslip.
-#include <array>
+/// The body rests on all of the past: it is followed from the first frame on. Baselines see the last tenth of a second.
+/// Errors, shares and the noise of the model come from the flights of the fit: they are dealt into parts, each of which
+/// a fit of the others predicts. There is one spiral among them, and a fit without it knows nothing of sideslip: it is
+/// dealt by quarters.
 #include <map>
 
 #include <fmt/format.h>
 
 #include "cases.h"
+#include "followed_blimp.h"
 #include "identification/blimp.h"
 #include "scored_split.h"
 
@@ -16,41 +18,57 @@ namespace samara::benchmarks::prediction {
 
 namespace {
 
-using identification::BlimpFlight;
-using identification::BlimpMoment;
-
 const std::vector<std::vector<int>> kLeftOut = {
     {98, 126, 132, 138}, {120, 124, 130, 136}, {98, 122, 128, 134}};
+constexpr std::size_t kParts = 4;
 
-AskedMoment asked(const BlimpMoment& moment) {
-  AskedMoment result{.moment = {.cluster = moment.flight, .seen = moment.seen, .next = moment.next},
-                     .time = moment.time};
-  if (moment.model.allFinite()) result.model = moment.model;
+/// A part of a flight.
+BlimpFlight part_of(const BlimpFlight& flight, std::size_t part) {
+  const auto border = [&](std::size_t k) {
+    return static_cast<Eigen::Index>(k) * flight.capture.frame_count() / static_cast<Eigen::Index>(kParts);
+  };
+  BlimpFlight result = flight;
+  result.capture = identification::frames_of(flight.capture, border(part), border(part + 1) - border(part),
+                                             flight.capture.times[border(part)]);
+  result.capture.id += fmt::format(", quarter {}", part + 1);
   return result;
 }
 
-/// The first or the second half of each flight.
-std::vector<BlimpFlight> halves_of(const std::vector<BlimpFlight>& flights, bool second) {
-  std::vector<BlimpFlight> halves;
-  for (BlimpFlight half : flights) {
-    const Eigen::Index frames = half.capture.frame_count(), middle = frames / 2;
-    half.capture =
-        identification::frames_of(half.capture, second ? middle : 0, second ? frames - middle : middle,
-                                  half.capture.times[second ? middle : 0]);
-    halves.push_back(std::move(half));
+/// Flights of the fit, or quarters of them, each with the coefficients of a fit of others.
+BlimpAhead predicted_by_others(const std::vector<BlimpFlight>& training) {
+  const auto spirals = std::ranges::count_if(training, &BlimpFlight::is_spiral);
+  BlimpAhead all;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    std::vector<BlimpFlight> others, here;
+    std::size_t dealt = 0;
+    for (const BlimpFlight& flight : training) {
+      if (flight.is_spiral && spirals == 1) {
+        for (std::size_t k = 0; k < kParts; ++k) (k == part ? here : others).push_back(part_of(flight, k));
+      } else {
+        (dealt++ % kParts == part ? here : others).push_back(flight);
+      }
+    }
+    all.add(here, identification::values_of(identification::fit_blimp(others)));
   }
-  return halves;
+  return all;
 }
 
-bool is_spiral(const std::vector<BlimpFlight>& flights, int number) {
-  return std::ranges::any_of(
-      flights, [&](const BlimpFlight& flight) { return flight.number == number && flight.is_spiral; });
+/// What a fit of others predicts is a cluster: quarters of the spiral are four.
+std::vector<AskedMoment> asked(const BlimpAhead& flights, double ahead,
+                               const samara::identification::NoiseChoice& choice) {
+  const std::vector<BlimpMoment> moments = identification::blimp_moments(flights.flights, ahead);
+  const Eigen::MatrixX3d said = follow_blimp(flights, moments, ahead, choice);
+  std::vector<AskedMoment> result;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    AskedMoment one{.moment = {.cluster = static_cast<int>(moments[k].flight),
+                               .seen = moments[k].seen,
+                               .next = moments[k].next},
+                    .time = moments[k].time};
+    if (const auto row = static_cast<Eigen::Index>(k); said.row(row).allFinite()) one.model = said.row(row);
+    result.push_back(std::move(one));
+  }
+  return result;
 }
-
-struct Fits {
-  identification::Coefficients all = {};
-  std::array<identification::Coefficients, 2> without = {};  ///< the first halves, the second ones
-};
 
 }  // namespace
 
@@ -72,24 +90,20 @@ void blimp_cases(const Options& options) {
   std::map<std::string, std::vector<SplitScores>> scores;
   for (std::size_t split = 0; split < (options.quick ? 1 : kLeftOut.size()); ++split) {
     const auto [training, left_out] = identification::split_blimp(flights, kLeftOut[split]);
-    Fits fits{.all = identification::values_of(identification::fit_blimp(training))};
-    for (const bool second : {false, true}) {
-      fits.without[second ? 1 : 0] =
-          identification::values_of(identification::fit_blimp(halves_of(training, !second)));
-    }
+    const identification::Coefficients of_all =
+        identification::values_of(identification::fit_blimp(training));
+    const BlimpAhead known = predicted_by_others(training);
     for (const auto& [name, ahead] : cases) {
-      std::vector<AskedMoment> moments;
-      for (const bool second : {false, true}) {
-        for (const BlimpMoment& moment :
-             identification::blimp_moments(halves_of(training, second), fits.without[second ? 1 : 0], ahead))
-          moments.push_back(asked(moment));
+      BlimpAhead unseen;
+      for (const BlimpFlight& flight : left_out) {
+        if (flight.is_spiral == name.starts_with("blimp_spiral")) unseen.add({flight}, of_all);
       }
-      std::vector<AskedMoment> unseen;
-      for (const BlimpMoment& moment : identification::blimp_moments(left_out, fits.all, ahead)) {
-        if (is_spiral(flights, moment.flight) == name.starts_with("blimp_spiral"))
-          unseen.push_back(asked(moment));
-      }
-      scores[name].push_back(score_split(fmt::format("{} split {}", name, split + 1), moments, unseen));
+      const auto choice = choose_blimp_noise(known, ahead);
+      fmt::print(stderr,
+                 "white noise in the rates of velocities {:.2g} m/s, of rates {:.2g} rad/s per sqrt(s)\n",
+                 choice.velocity, choice.rate);
+      scores[name].push_back(score_split(fmt::format("{} split {}", name, split + 1),
+                                         asked(known, ahead, choice), asked(unseen, ahead, choice)));
     }
   }
   for (const auto& [name, of_case] : scores) report(name, of_case);
