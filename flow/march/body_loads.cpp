@@ -23,20 +23,81 @@ struct Collector {
   }
 };
 
+/// Of the control volume of a closed face, what is left open in h^dimensions.
+double closed_volume(const MacGrid& grid, const Openness& open, int d, Index c) {
+  const double* const share = open.cell.data() + c;
+  return 0.5 * (share[-grid.stride[static_cast<std::size_t>(d)]] + share[0]);
+}
+
 /// Momentum per area that the fluid within the control volume of a closed face gains: it moves as the body does.
 double closed_storage(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
                       const BodyPose& pose, int d, Index c) {
   const Eigen::Vector3d x = grid.place(c, d);
-  const double* const share = open.cell.data() + c;
-  const double volume = 0.5 * (share[-grid.stride[static_cast<std::size_t>(d)]] + share[0]);
   return pose.velocity_at(x)(d) * momentum.volume_taken(d, c) +
-         grid.spacing * volume * pose.acceleration_at(x)(d);
+         grid.spacing * closed_volume(grid, open, d, c) * pose.acceleration_at(x)(d);
+}
+
+template <class Act>
+void for_range(const MacGrid& grid, const Range& range, const Act& act) {
+  for (int k = range.begin[2]; k < range.end[2]; ++k) {
+    for (int j = range.begin[1]; j < range.end[1]; ++j) {
+      for (int i = range.begin[0]; i < range.end[0]; ++i) act(grid.at(i, j, k));
+    }
+  }
 }
 
 }  // namespace
 
+void VolumesBefore::keep(const MacGrid& grid, const Openness& open) {
+  for (int d = 0; d < grid.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    for_range(grid, kept_, [&](Index c) { volume_[at][static_cast<std::size_t>(c)] = 1.0; });
+    for_range(grid, open.near, [&](Index c) {
+      const auto f = static_cast<std::size_t>(c);
+      const double inverse = open.inverse_volume[at][f];
+      volume_[at][f] = inverse > 0.0 ? 1.0 / inverse : closed_volume(grid, open, d, c);
+    });
+    closed_[at] = open.closed_faces[at];
+  }
+  kept_ = open.near;
+}
+
+bool VolumesBefore::was_closed(int d, Index c) const {
+  return std::ranges::binary_search(closed_[static_cast<std::size_t>(d)], c);
+}
+
+std::vector<FaceForce> reshaping_forces(const MacGrid& grid, const Openness& open,
+                                        const VolumesBefore& before, const MomentumStep& momentum,
+                                        const FlowState& state, const BodyPose& pose, double step) {
+  std::vector<FaceForce> forces;
+  const double cell = std::pow(grid.spacing, grid.dimensions);
+  for (int d = 0; d < grid.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    for_range(grid, open.near, [&](Index c) {
+      const auto f = static_cast<std::size_t>(c);
+      const double inverse = open.inverse_volume[at][f];
+      const bool was_closed = before.was_closed(d, c);
+      if (inverse == 0.0 && was_closed) return;
+      const double volume = before.volume(d, c);
+      if (inverse == 1.0 && volume == 1.0) return;
+      const Eigen::Vector3d x = grid.place(c, d);
+      const double of_body = pose.velocity_at(x)(d), slip = state.u_before[at][f] - of_body;
+      double rate;
+      if (inverse > 0.0) {
+        rate = (1.0 / inverse - volume) / step * slip -
+               momentum.volume_taken(d, c) / grid.spacing * (momentum.carried(d, c) - of_body);
+      } else {
+        rate = -volume / step * slip - closed_volume(grid, open, d, c) * pose.acceleration_at(x)(d);
+      }
+      if (rate != 0.0) forces.push_back({d, c, -cell * rate});
+    });
+  }
+  return forces;
+}
+
 BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
-                        const FlowState& state, const BodyPose& pose, bool moves) {
+                        const FlowState& state, const BodyPose& pose, bool moves,
+                        const std::vector<FaceForce>& reshaping) {
   Collector sum{grid, pose.place};
   const double area = std::pow(grid.spacing, grid.dimensions - 1), volume = area * grid.spacing;
   for (int d = 0; d < grid.dimensions; ++d) {
@@ -62,25 +123,19 @@ BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const Momentu
       if (taken != 0.0) sum.add(d, area * taken, c, d);
     }
   }
+  for (const FaceForce& part : reshaping) sum.add(part.d, part.force, part.at, part.d);
   return sum.loads;
 }
 
 Eigen::Vector3d box_force(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
-                          const FlowState& state, const BodyPose& pose, bool moves, const Range& box,
-                          double step) {
+                          const FlowState& state, const BodyPose& pose, bool moves,
+                          const std::vector<FaceForce>& reshaping, const Range& box, double step) {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   const double area = std::pow(grid.spacing, grid.dimensions - 1), volume = area * grid.spacing;
-  const auto for_places = [&](const Range& range, const auto& body) {
-    for (int k = range.begin[2]; k < range.end[2]; ++k) {
-      for (int j = range.begin[1]; j < range.end[1]; ++j) {
-        for (int i = range.begin[0]; i < range.end[0]; ++i) body(grid.at(i, j, k));
-      }
-    }
-  };
   for (int d = 0; d < grid.dimensions; ++d) {
     const auto own = static_cast<std::size_t>(d);
     double stored = 0.0;
-    for_places(box, [&](Index c) {
+    for_range(grid, box, [&](Index c) {
       const auto f = static_cast<std::size_t>(c);
       const double inverse = open.inverse_volume[own][f];
       if (inverse > 0.0) stored += (state.u[own][f] - state.u_before[own][f]) / inverse;
@@ -93,7 +148,7 @@ Eigen::Vector3d box_force(const MacGrid& grid, const Openness& open, const Momen
         near.begin[e] = std::max(near.begin[e], box.begin[e]);
         near.end[e] = std::min(near.end[e], box.end[e]);
       }
-      for_places(near, [&](Index c) {
+      for_range(grid, near, [&](Index c) {
         if (open.inverse_volume[own][static_cast<std::size_t>(c)] > 0.0)
           entered -= momentum.carried(d, c) * momentum.volume_taken(d, c);
       });
@@ -106,17 +161,18 @@ Eigen::Vector3d box_force(const MacGrid& grid, const Openness& open, const Momen
       low.end[across] = low.begin[across] + 1;
       high.begin[across] = box.end[across];
       high.end[across] = high.begin[across] + 1;
-      for_places(low, [&](Index c) {
+      for_range(grid, low, [&](Index c) {
         entered += momentum.flux_taken(state, d, j, c);
         if (j == d) entered += state.p[static_cast<std::size_t>(c - grid.stride[own])];
       });
-      for_places(high, [&](Index c) {
+      for_range(grid, high, [&](Index c) {
         entered -= momentum.flux_taken(state, d, j, c);
         if (j == d) entered -= state.p[static_cast<std::size_t>(c - grid.stride[own])];
       });
     }
     force(d) = area * entered - volume * stored / step;
   }
+  for (const FaceForce& part : reshaping) force(part.d) += part.force;
   return force;
 }
 

@@ -80,7 +80,10 @@ FlowMarch::FlowMarch(FlowSetup setup)
     turbulence_ = std::make_unique<KEpsilon>(setup_.grid, setup_.borders, open_, setup_.viscosity,
                                              setup_.turbulence, setup_.largest_eddy_viscosity);
   if (setup_.body) pose_.place = setup_.body->place();
-  if (moves()) find_body();
+  if (moves()) {
+    volumes_before_.emplace(setup_.grid);
+    find_body();
+  }
 }
 
 void FlowMarch::find_body() {
@@ -105,6 +108,7 @@ void FlowMarch::move_body(double time) {
   setup_.body->move_to(pose_.place, pose_.angle);
   require_within(setup_.grid, *setup_.body, when());
   were_closed_.swap(open_.closed_cells);
+  volumes_before_->keep(setup_.grid, open_);
   measure_openness(setup_.grid, setup_.borders, *setup_.body, open_);
   projection_.follow_body(pose_);
   momentum_.follow_body(pose_);
@@ -230,6 +234,8 @@ StepReport FlowMarch::advance(double step) {
                     turbulence_ ? &turbulence_->conductance() : nullptr);
   if (moves()) set_closed_faces();
   report.pressure = projection_.project(state_, step, setup_.divergence);
+  if (moves())
+    reshaping_ = reshaping_forces(setup_.grid, open_, *volumes_before_, momentum_, state_, pose_, step);
   if (turbulence_) turbulence_->advance(state_.u, step);
   state_.time += step;
   state_.last_step = step;
@@ -240,12 +246,12 @@ StepReport FlowMarch::advance(double step) {
 }
 
 BodyLoads FlowMarch::loads() const {
-  return surface_loads(setup_.grid, open_, momentum_, state_, pose_, moves());
+  return surface_loads(setup_.grid, open_, momentum_, state_, pose_, moves(), reshaping_);
 }
 
 Eigen::Vector3d FlowMarch::force_by_box(int margin_cells) const {
   if (!setup_.body) return Eigen::Vector3d::Zero();
-  return box_force(setup_.grid, open_, momentum_, state_, pose_, moves(),
+  return box_force(setup_.grid, open_, momentum_, state_, pose_, moves(), reshaping_,
                    control_box(setup_.grid, *setup_.body, margin_cells), state_.last_step);
 }
 

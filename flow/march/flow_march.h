@@ -106,6 +106,8 @@ class FlowMarch {
   BodyPose pose_;
   std::vector<Index> were_closed_;  ///< cells, before the last move
   Openness open_;
+  std::optional<VolumesBefore> volumes_before_;  ///< of a body that moves
+  std::vector<FaceForce> reshaping_;             ///< of the last step
   MomentumStep momentum_;
   Projection projection_;
   FlowState state_;

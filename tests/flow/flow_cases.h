@@ -180,6 +180,36 @@ inline void start_channel(FlowMarch& march) {
 }
 
 /// F = -1/2 C_D |v| v - pi/4 C_A dv/dt of a circle of diameter 1 (J. Morison et al., J. Petroleum Tech. 2 (1950) 149).
+/// From a place on, at a constant velocity.
+inline BodyPath steady_path(const Eigen::Vector3d& from, const Eigen::Vector3d& velocity) {
+  return [=](double t) {
+    BodyPose pose;
+    pose.place = from + t * velocity;
+    pose.velocity = velocity;
+    return pose;
+  };
+}
+
+/// Mean drag of a circle at Re 40 from time 1 to 2 after it was set off, in a stream or through fluid at rest.
+inline double early_drag(int n, bool moved) {
+  FlowSetup setup{.grid = MacGrid(2, {10 * n, 8 * n, 1}, 1.0 / n, {-5.0, -4.0, 0.0}),
+                  .borders = stream(moved ? 0.0 : 1.0),
+                  .body = PlacedShape(ellipse_section(0.5, 0.5), {0.0, 0.03, 0.0}, 0.0),
+                  .viscosity = 1.0 / 40,
+                  .scheme = AdvectionScheme::central};
+  if (moved) setup.path = steady_path({1.0, 0.03, 0.0}, {-1.0, 0.0, 0.0});
+  FlowMarch march(setup);
+  march.set_velocity([&](const Eigen::Vector3d&) { return Eigen::Vector3d(moved ? 0.0 : 1.0, 0.0, 0.0); });
+  double impulse = 0.0, time = 0.0;
+  while (march.state().time < 2.0) {
+    const double step = march.advance().step;
+    if (march.state().time < 1.0) continue;
+    impulse += step * 2.0 * march.loads().force.x();
+    time += step;
+  }
+  return impulse / time;
+}
+
 struct MorisonFit {
   double drag = 0.0, added_mass = 0.0;
 };

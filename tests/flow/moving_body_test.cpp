@@ -13,16 +13,6 @@ using namespace flow_cases;
 
 namespace {
 
-/// From a place on, at a constant velocity.
-BodyPath steady_path(const Eigen::Vector3d& from, const Eigen::Vector3d& velocity) {
-  return [=](double t) {
-    BodyPose pose;
-    pose.place = from + t * velocity;
-    pose.velocity = velocity;
-    return pose;
-  };
-}
-
 /// To and fro along x and y, turning.
 BodyPose swinging(double t) {
   BodyPose pose;
@@ -33,26 +23,6 @@ BodyPose swinging(double t) {
   pose.angular_rate = 1.5 * std::cos(3.0 * t);
   pose.angular_acceleration = -4.5 * std::sin(3.0 * t);
   return pose;
-}
-
-/// Mean drag of a circle at Re 40 from time 1 to 2 after it was set off, in a stream or through fluid at rest.
-double early_drag(int n, bool moved) {
-  FlowSetup setup{.grid = MacGrid(2, {10 * n, 8 * n, 1}, 1.0 / n, {-5.0, -4.0, 0.0}),
-                  .borders = stream(moved ? 0.0 : 1.0),
-                  .body = PlacedShape(ellipse_section(0.5, 0.5), {0.0, 0.03, 0.0}, 0.0),
-                  .viscosity = 1.0 / 40,
-                  .scheme = AdvectionScheme::central};
-  if (moved) setup.path = steady_path({1.0, 0.03, 0.0}, {-1.0, 0.0, 0.0});
-  FlowMarch march(setup);
-  march.set_velocity([&](const Eigen::Vector3d&) { return Eigen::Vector3d(moved ? 0.0 : 1.0, 0.0, 0.0); });
-  double impulse = 0.0, time = 0.0;
-  while (march.state().time < 2.0) {
-    const double step = march.advance().step;
-    if (march.state().time < 1.0) continue;
-    impulse += step * 2.0 * march.loads().force.x();
-    time += step;
-  }
-  return impulse / time;
 }
 
 FlowCase moving_circle() {
@@ -103,13 +73,15 @@ TEST_CASE("a body that goes with the stream leaves it uniform and feels nothing"
   }
 }
 
-TEST_CASE("a body moved through fluid at rest has the drag of one held in a stream, to one per cent",
-          "[flow]") {
+TEST_CASE(
+    "the drag of a body moved through fluid at rest comes to that of one held in a stream, at first order",
+    "[flow]") {
   const double coarse = std::abs(early_drag(8, true) / early_drag(8, false) - 1.0);
   const double fine = std::abs(early_drag(16, true) / early_drag(16, false) - 1.0);
   INFO("they differ by " << coarse << " and " << fine);
   CHECK(coarse < 0.012);
-  CHECK(fine < 0.012);
+  CHECK(fine < 0.006);
+  CHECK(std::log2(coarse / fine) > 1.0);
 }
 
 TEST_CASE("a body set off in fluid at rest is held back by its added mass", "[flow]") {
@@ -200,17 +172,18 @@ TEST_CASE("over a way of many cells, a body takes the momentum that the fluid ar
     const FlowState& state = march.state();
     const double step = march.advance().step;
     impulse += step * march.loads().force.x();
-    // At the borders nothing moves yet: all that enters there is pressure.
+    // At the slip walls nothing enters.
     for (int j = 0; j < grid.cells[1]; ++j) {
       const auto left = static_cast<std::size_t>(grid.at(0, j)),
-                 right = static_cast<std::size_t>(grid.at(grid.cells[0] - 1, j));
-      entered += step * grid.spacing * (state.p[left] - state.p[right]);
+                 right = static_cast<std::size_t>(grid.at(grid.cells[0] - 1, j)), end = right + 1;
+      entered += step * grid.spacing * (state.p[left] - state.p[right] - std::pow(state.u[0][end], 2));
     }
   }
   const double lost = entered - (momentum() - before);
   INFO("impulse " << impulse << ", lost " << lost);
   CHECK(impulse > 0.5);
-  CHECK(lost == Approx(impulse).epsilon(0.03));
+  // Loads that leave out what closing faces hand over miss 1.4 %.
+  CHECK(lost == Approx(impulse).epsilon(0.003));
 }
 
 TEST_CASE("openness that follows a body is that which is measured anew", "[flow]") {
