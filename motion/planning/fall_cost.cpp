@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "samara/models/stochastic/turbulent_action.h"
+
 namespace samara::motion {
 
 namespace {
@@ -55,7 +57,10 @@ double turbulence_factor(const MotionPlan& plan) {
   if (!(plan.turbulence > 0.0)) return 0.0;
   const double k = 1.5 * std::pow(plan.turbulence * plan.scales().velocity, 2);
   const double dissipation = std::pow(0.09, 0.75) * std::pow(k, 1.5) / (0.07 * 2.0 * plan.semi_length());
-  return 1.0 / (3.0 * kKolmogorov * dissipation);
+  // Of an acceleration of 1 m/s^2 that is held for 1 s: the action goes with its square and its duration. What turbulence
+  // does by itself costs 3/2 there, and 1 here.
+  const models::Turbulence energy{.k = k, .epsilon = dissipation};
+  return models::turbulent_action(Eigen::Vector3d::UnitX(), 1.0, energy, {.C_0 = kKolmogorov}) / 1.5;
 }
 
 void add_piece(const PlannedFall& fall, FallPoint& point, double duration, double fallen) {

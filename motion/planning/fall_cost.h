@@ -22,7 +22,7 @@ inline constexpr double kChangeCost = 0.06;
 /// A decision: the coefficients set out for other values.
 void add_change(const PlannedFall& fall, FallPoint& point, const std::vector<double>& from,
                 const std::vector<double>& to);
-/// 1/(3 C_0 epsilon) of the plan's turbulence, 0 without [s^3/m^2].
+/// 1/(3 C_0 epsilon) of the plan's turbulence, 0 without [s^3/m^2]: two thirds of models::turbulent_action().
 double turbulence_factor(const MotionPlan& plan);
 /// A piece that has ended at this point, at its acceleration_square.
 void add_piece(const PlannedFall& fall, FallPoint& point, double duration, double fallen);

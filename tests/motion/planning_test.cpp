@@ -10,7 +10,9 @@
 #include "samara/models/batch/stepper.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/stochastic/turbulent_action.h"
 #include "samara/motion/ghost/ghost_force.h"
+#include "samara/motion/planning/fall_cost.h"
 #include "samara/motion/planning/fall_lanes.h"
 #include "samara/motion/planning/planner.h"
 
@@ -425,6 +427,17 @@ TEST_CASE("calm air keeps coefficients at home") {
   const double free = roams();
   plan.turbulence = 1e-3;
   CHECK(roams() < 0.2 * free);
+}
+
+TEST_CASE("the price of turbulence is the action of its energy, and 1 for what turbulence does by itself") {
+  MotionPlan plan = slanted_plan();
+  CHECK(turbulence_factor(plan) == 0.0);
+  plan.turbulence = 0.3;
+  const double k = 1.5 * std::pow(0.3 * plan.scales().velocity, 2);
+  const double epsilon = std::pow(0.09, 0.75) * std::pow(k, 1.5) / (0.14 * plan.semi_length());
+  const Eigen::Vector3d extra(0.7, -0.2, 1.1);
+  const double action = turbulent_action(extra, 0.3, {.k = k, .epsilon = epsilon}, {.C_0 = 2.1});
+  CHECK(turbulence_factor(plan) * extra.squaredNorm() * 0.3 == Approx(action / 1.5).epsilon(1e-12));
 }
 
 TEST_CASE("plans of motions say in one sentence what is wrong with them") {
