@@ -119,7 +119,8 @@ NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricMod
                  double body_radius) {
   const CloudWords& words = arguments.cloud;
   flow::FlowPlacement placement = {.speed = number_or_quantity("--speed", words.speed, "m/s"),
-                                   .length = number_or_quantity("--length", words.length, "m")};
+                                   .length = number_or_quantity("--length", words.length, "m"),
+                                   .stream_beyond = words.outside == "stream"};
   for (const auto& [option, value] :
        {std::pair("--speed", placement.speed), std::pair("--length", placement.length)})
     if (!(value > 0.0)) throw ArgumentError(fmt::format("{} is {}, expected more than 0", option, value));
@@ -138,10 +139,13 @@ NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricMod
                     "was expected",
                     words.flow, model.model().info().name));
   }
+  if (stored->summary.status == flow::to_string(flow::FlowStatus::max_time))
+    warn(fmt::format("--flow: {} was not finished: {}", words.flow, stored->summary.message));
   const auto view = std::make_shared<const flow::FlowView>(stored, placement);
   return {.source = models::fluid_seen_in(view, seed, seen_options(arguments, model, body_radius)),
-          .description = fmt::format("the flow of {} at {:.6g} m/s and {:.6g} m", words.flow, placement.speed,
-                                     placement.length)};
+          .description = fmt::format("the flow of {} at {:.6g} m/s and {:.6g} m{}", words.flow,
+                                     placement.speed, placement.length,
+                                     placement.stream_beyond ? ", in the stream beyond its grid" : "")};
 }
 
 }  // namespace

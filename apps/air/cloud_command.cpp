@@ -56,6 +56,7 @@ std::string stray_word(const CloudWords& words, bool has_wind) {
   if (!words.length.empty()) return "--length";
   if (!words.place.empty()) return "--flow-place";
   if (!words.flow_at.empty()) return "--flow-set";
+  if (!words.outside.empty()) return "--outside";
   if (!words.C_0.empty()) return "--C0";
   if (!words.radius.empty()) return "--body-radius";
   if (words.rotation) return "--rotation";
@@ -182,8 +183,8 @@ std::string call_of(const SimulateArguments& arguments, const models::Parametric
       options.step, options.first, options.keep, options.antithetic, radius, words.C_0, words.rotation);
   text += options.ground ? fmt::format("ground {}\n", *options.ground) : std::string("no ground\n");
   text += fmt::format("states {}, up to {}\n", fmt::join(options.states, " "), options.relative_error);
-  text += fmt::format("speed {}, length {}, at {}, {}\n", words.speed, words.length, words.place,
-                      fmt::join(words.flow_at, " "));
+  text += fmt::format("speed {}, length {}, at {}, {}, outside {}\n", words.speed, words.length, words.place,
+                      fmt::join(words.flow_at, " "), words.outside);
   for (const std::string& file : {arguments.wind, words.flow}) {
     if (file.empty()) continue;
     if (!std::filesystem::is_regular_file(file)) return "";
@@ -266,10 +267,13 @@ void check_cloud_words(const SimulateArguments& arguments) {
   }
   whole_from("--realisations", words.realisations, 1L);
   seed_of(words);
-  const bool is_placed =
-      !words.speed.empty() || !words.length.empty() || !words.place.empty() || !words.flow_at.empty();
+  const bool is_placed = !words.speed.empty() || !words.length.empty() || !words.place.empty() ||
+                         !words.flow_at.empty() || !words.outside.empty();
   if (is_placed && words.flow.empty())
-    throw ArgumentError("--speed, --length, --flow-place and --flow-set are of --flow, which was expected");
+    throw ArgumentError(
+        "--speed, --length, --flow-place, --flow-set and --outside are of --flow, which was expected");
+  if (!words.outside.empty() && words.outside != "end" && words.outside != "stream")
+    throw ArgumentError(fmt::format("--outside is {}, expected end or stream", words.outside));
   if (!words.flow.empty() && (words.speed.empty() || words.length.empty()))
     throw ArgumentError("--flow is dimensionless: --speed and --length were expected with it");
   if (!has_air(arguments)) {

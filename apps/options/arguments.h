@@ -27,6 +27,7 @@ struct CloudWords {
   std::vector<std::string> turbulence;     ///< kind and NAME=VALUE; empty: none
   std::string flow, speed, length, place;  ///< file of a flow, how fast, how large, where; empty: none
   std::vector<std::string> flow_at;        ///< NAME=VALUE, where it is a codebook of flows
+  std::string outside;                     ///< of the flow's grid: end or stream; empty: end
   std::string C_0, radius;                 ///< empty: the default
   bool rotation = false;
   std::vector<std::string> states;

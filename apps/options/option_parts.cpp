@@ -26,6 +26,9 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
   option("--speed", words.speed, "of the stream of --flow, m/s or with a unit");
   option("--length", words.length, "of the body of --flow, m or with a unit");
   option("--flow-place", words.place, "where the centre of that body is: \"0, 0, 1 m\"; default: the origin");
+  option("--outside", words.outside,
+         "what a flight that leaves the grid of --flow meets: end (it ends there as left_flow, which is the "
+         "default) or stream (the stream as it flows in)");
   option("--C0", words.C_0,
          "constant of the structure function; default: by the Reynolds number of the turbulence");
   option("--body-radius", words.radius,

@@ -45,6 +45,7 @@ StoredFlow flow_of(const codebooks::Codebook& book, const std::map<std::string, 
   s.generator = book.provenance().generator;
   s.reynolds = flow.reynolds;
   s.angle_of_attack = flow.angle_of_attack;
+  s.intensity = flow.intensity;
   s.drag = s.lift = s.moment = s.drag_rms = s.lift_rms = s.strouhal = s.bubble_end =
       std::numeric_limits<double>::quiet_NaN();
   codebooks::Query query(book);

@@ -122,6 +122,7 @@ FlowSummary summary_of(const FlowResult& result, const FlowPlan& plan) {
   FlowSummary s;
   s.reynolds = plan.flow.reynolds;
   s.angle_of_attack = plan.flow.angle_of_attack;
+  s.intensity = plan.flow.intensity;
   s.drag = result.drag.value;
   if (std::isfinite(result.drag.half_width)) s.drag_half_width = result.drag.half_width;
   s.lift = result.lift;
@@ -300,6 +301,7 @@ void save_flow(const FlowResult& result, const FlowPlan& plan, const std::filesy
   });
   if (summary.drag_half_width)
     file.write_number_attribute("/loads", "C_D_half_width", *summary.drag_half_width);
+  file.write_number_attribute("/plan", "intensity", *summary.intensity);
   file.write_integer_attribute("/checks", "clipped_cells", result.checks.clipped_cells);
   file.write_integer_attribute("/checks", "guarded_cells", result.checks.guarded_cells);
   file.write_integer_attribute("/checks", "unconverged", result.checks.unconverged);
@@ -344,6 +346,7 @@ StoredFlow load_flow(const std::filesystem::path& path) {
   });
   if (file.has_attribute("/loads", "C_D_half_width"))
     s.drag_half_width = file.number_attribute("/loads", "C_D_half_width");
+  if (file.has_attribute("/plan", "intensity")) s.intensity = file.number_attribute("/plan", "intensity");
   s.checks.clipped_cells = static_cast<long>(file.integer_attribute("/checks", "clipped_cells"));
   s.checks.guarded_cells = static_cast<long>(file.integer_attribute("/checks", "guarded_cells"));
   s.checks.unconverged = static_cast<long>(file.integer_attribute("/checks", "unconverged"));

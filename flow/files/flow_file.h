@@ -34,6 +34,8 @@ std::vector<CentreField> centre_fields(const FlowResult& result);
 struct FlowSummary {
   std::string status, message, title, plan, generator;
   double reynolds = 0.0, angle_of_attack = 0.0;
+  std::optional<double>
+      intensity;        ///< u'/U of the stream; none: a file of an earlier version, which does not say it
   bool moving = false;  ///< the body moves: fields are those of an instant
   double drag = 0.0, lift = 0.0, moment = 0.0, drag_rms = 0.0, lift_rms = 0.0;
   std::optional<double> drag_half_width;  ///< of the 95 % interval; none: not known

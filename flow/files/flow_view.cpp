@@ -1,11 +1,13 @@
 #include "samara/flow/files/flow_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/flow/turbulence/k_epsilon.h"
 
 namespace samara::flow {
 
@@ -67,6 +69,17 @@ FlowView::FlowView(std::shared_ptr<const StoredFlow> flow, const FlowPlacement& 
     open_epsilon_ = where_open(flow_->field("epsilon").values, flow_->open);
     epsilon_ = &open_epsilon_;
   }
+  beyond_.inside = placement.stream_beyond;
+  if (!placement.stream_beyond || epsilon_ == nullptr) return;
+  if (!flow_->summary.intensity)
+    throw ArgumentError(
+        "FlowView: the stream is to go on beyond the grid, and the file does not say its intensity: expected "
+        "one "
+        "that was solved by this version");
+  const std::array<double, 2> stream =
+      stream_turbulence(*flow_->summary.intensity, placement.speed, placement.length);
+  beyond_.k = stream[0];
+  beyond_.epsilon = stream[1];
 }
 
 Eigen::Vector3d FlowView::in_cells(const Eigen::Vector3d& position) const {
@@ -135,9 +148,9 @@ double FlowView::length() const {
 }
 
 models::Turbulence FlowView::turbulence(double, const Eigen::Vector3d& position) const {
+  if (!inside(position)) return beyond_;
   models::Turbulence energy;
-  energy.inside = inside(position);
-  if (!energy.inside || epsilon_ == nullptr) return energy;
+  if (epsilon_ == nullptr) return energy;
   const Value k = value_of(*k_, position);
   const double speed = placement_.speed;
   energy.k = speed * speed * k.value;

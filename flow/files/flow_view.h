@@ -13,6 +13,8 @@ struct FlowPlacement {
   double length = 1.0;  ///< l [m]
   Eigen::Vector3d body =
       Eigen::Vector3d::Zero();  ///< where the centre of the flow's own body is, world axes [m]
+  /// Beyond the grid the stream goes on with the energy with which it flows in; else the flow ends there.
+  bool stream_beyond = false;
 };
 
 /// The mean flow and the energy of a flow file as what models fly in. The stream runs along world x, the flow's y is world
@@ -20,17 +22,18 @@ struct FlowPlacement {
 ///
 /// Between cells all is the quadratic B-spline of the values in their centres, which smooths by h^2/8 of the second
 /// derivative, as the solver's own error is: k and epsilon stay positive, and gradients are continuous and exact.
-/// Beyond the grid there is the stream at the inflow, and no energy.
+/// Beyond the grid there is the stream at the inflow; with its energy, which is the same everywhere, or with none and not
+/// `inside`, as the placement says.
 class FlowView final : public models::TurbulentFlow {
  public:
-  /// @throws ArgumentError if speed or length is not positive and finite, the place not finite, or the flow that of a body
-  /// that moves
+  /// @throws ArgumentError if speed or length is not positive and finite, the place not finite, the flow that of a body
+  /// that moves, or the stream is to go on and the file does not say its intensity
   FlowView(std::shared_ptr<const StoredFlow> flow, const FlowPlacement& placement);
 
   models::AmbientSample sample(double t, const Eigen::Vector3d& position) const override;
   /// Two cells.
   double length() const override;
-  /// k is the modelled and the resolved one; a laminar flow has none. Not `inside` beyond the grid.
+  /// k is the modelled and the resolved one; a laminar flow has none. Not `inside` beyond the grid, where the flow ends.
   models::Turbulence turbulence(double t, const Eigen::Vector3d& position) const override;
   /// Whether the grid holds the point, half a cell at its borders left out.
   bool inside(const Eigen::Vector3d& position) const;
@@ -47,6 +50,7 @@ class FlowView final : public models::TurbulentFlow {
   const Field* k_ = nullptr;
   const Field* epsilon_ = nullptr;  ///< null of a laminar flow
   Field open_k_, open_epsilon_;     ///< 0 in closed cells
+  models::Turbulence beyond_;       ///< of what is beyond the grid
 };
 
 }  // namespace samara::flow

@@ -208,6 +208,37 @@ class Wakes(Case):
         result = self.fly(until=3)
         self.assertRegex(result.stderr, r"\d+ left_flow")
 
+    def test_beyond_the_grid_the_stream_goes_on_if_it_is_asked_for(self):
+        ended, went_on = (json.loads(self.fly("--outside", what, "--json", until=3).stdout) for what in ("end", "stream"))
+        self.assertEqual(json.loads(self.fly("--json", until=3).stdout), ended)
+        self.assertGreater(ended["status"]["left_flow"], 0)
+        self.assertEqual((went_on["status"]["left_flow"], went_on["times"][-1]["flying"]), (0, 64))
+        self.assertIn("in the stream beyond its grid", went_on["air"])
+        # The stream carries the cards on, at 2 m/s or so, and its own energy scatters them.
+        before, after = went_on["times"][-2:]
+        speed = (after["mean"][0] - before["mean"][0]) / (after["t"] - before["t"])
+        self.assertAlmostEqual(speed, 2, delta=0.7)
+        self.assertGreater(after["covariance"][0][0], before["covariance"][0][0])
+        self.check_error(self.fly("--outside", "sea"), 2, "--outside is sea, expected end or stream")
+        self.check_error(cloud("--realisations", 4, "--outside", "stream"), 2, "--outside", "are of --flow")
+
+    def test_a_flow_that_was_not_finished_is_said_to_be_none(self):
+        self.assertRegex(self.fly().stderr, r"warning: --flow: .*wake\.h5 was not finished: .* at max_time, 2 l/U")
+
+    def test_a_flow_in_space_is_none_for_a_plate_in_a_plane(self):
+        path = FOLDER / "space.h5"
+        plan = write("space.toml", '''[flow]
+dimensions = 3
+shape = { kind = "box", length = 1, thickness = 1, width = 1 }
+reynolds = 20000
+cells_per_length = 4
+extent = { before = 2, behind = 2, side = 2 }
+max_time = 0.2
+''')
+        self.assertEqual(run("flow", plan, "-o", path).returncode, 4)
+        result = run("simulate", "falling_plate_in_gusts", "--flow", path, "--speed", 1, "--length", 1, "--realisations", 4)
+        self.check_error(result, 2, "is a flow in space", "moves in a plane")
+
     def test_wrong_words_are_refused(self):
         for words, parts in [(("--flow", self.still, "--speed", 1, "--length", 1), ("laminar", "k-epsilon")),
                              (("--flow", self.wake), ("--speed",)),

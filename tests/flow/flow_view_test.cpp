@@ -73,3 +73,23 @@ TEST_CASE("beyond its grid a flow is the stream, without energy", "[flow]") {
   CHECK_FALSE(view.inside({NAN, 0.0, 0.0}));
   CHECK_THROWS_AS(FlowView(made_up(2), {.speed = -2.0}), samara::ArgumentError);
 }
+
+TEST_CASE("beyond its grid the stream goes on with its energy, where that is asked for", "[flow]") {
+  const FlowPlacement placement{.speed = 2.0, .length = 0.5, .stream_beyond = true};
+  CHECK_THROWS_WITH(FlowView(made_up(2), placement), Catch::Contains("does not say its intensity"));
+  auto flow = std::make_shared<StoredFlow>(*made_up(2));
+  flow->summary.intensity = 0.1;
+  const FlowView view(flow, placement);
+  const samara::models::Turbulence far = view.turbulence(0.0, {50.0, 0.0, 0.0});
+  CHECK(far.inside);
+  // u' is a tenth of the speed, and eddies are 7 % of the length.
+  CHECK(far.k == Approx(1.5 * 0.2 * 0.2));
+  CHECK(far.epsilon == Approx(std::pow(0.09, 0.75) * std::pow(far.k, 1.5) / (0.07 * 0.5)));
+  CHECK(far.sigma_gradient.isZero(0.0));
+  CHECK(view.sample(0.0, {50.0, 0.0, 0.0}).velocity == Eigen::Vector3d(2.0, 0.0, 0.0));
+  CHECK_FALSE(view.inside({50.0, 0.0, 0.0}));
+  // Within it nothing is changed.
+  const FlowView ending(flow, {.speed = 2.0, .length = 0.5});
+  CHECK(view.turbulence(0.0, {0.2, 0.0, 0.1}).k == ending.turbulence(0.0, {0.2, 0.0, 0.1}).k);
+  CHECK_FALSE(ending.turbulence(0.0, {50.0, 0.0, 0.0}).inside);
+}
