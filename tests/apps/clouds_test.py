@@ -236,7 +236,8 @@ extent = { before = 2, behind = 2, side = 2 }
 max_time = 0.2
 ''')
         self.assertEqual(run("flow", plan, "-o", path).returncode, 4)
-        result = run("simulate", "falling_plate_in_gusts", "--flow", path, "--speed", 1, "--length", 1, "--realisations", 4)
+        plate = ["falling_plate_in_gusts", "--set=semi_chord=2cm", "--set=semi_thickness=0.2mm", "--set=density=1200"]
+        result = run("simulate", *plate, "--flow", path, "--speed", 1, "--length", 1, "--realisations", 4)
         self.check_error(result, 2, "is a flow in space", "moves in a plane")
 
     def test_wrong_words_are_refused(self):

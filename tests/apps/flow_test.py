@@ -164,6 +164,26 @@ class Flows(Case):
         with h5py.File(FOLDER / "short.h5") as one, h5py.File(flow()) as whole:
             self.assertTrue((one["fields/u"][:] == whole["fields/u"][:]).all())
 
+    def test_a_flow_that_diverges_leaves_its_last_state_and_no_file(self):
+        path = FOLDER / "diverging.h5"
+        self.assertEqual(run("flow", write("diverging.toml", PLAN.replace("max_time = 80", "max_time = 1")), "-o", path).returncode, 4)
+        path.unlink()
+        # A state as no step leaves it: the next one is not finite.
+        with h5py.File(f"{path}.checkpoint", "r+", libver="latest") as file:
+            file["p"][len(file["p"]) // 3] = 1e308
+        result = run("flow", write("diverging.toml", PLAN), "-o", path)
+        self.check_error(result, 4, "the flow diverged: a value is not finite", "l/U, step", "cell (", "no file is written",
+                         "diverging.h5.checkpoint keeps the state of at most a minute before")
+        self.assertFalse(path.exists())
+        self.assertTrue((FOLDER / "diverging.h5.checkpoint").exists())
+
+    def test_the_model_of_high_reynolds_numbers_warns_where_they_are_low(self):
+        slow = PLAN.replace('"none"', '"k-epsilon"').replace("reynolds = 30", "reynolds = 900").replace("max_time = 80", "max_time = 0.2")
+        result = run("flow", write("slow.toml", slow), "-o", FOLDER / "slow.h5")
+        self.assertIn('k-epsilon is a model of high Reynolds numbers, and this is 900: expected turbulence = "none"', result.stderr)
+        fast = run("flow", write("fast.toml", slow.replace("= 900", "= 1100")), "-o", FOLDER / "slow.h5", "--fresh")
+        self.assertNotIn("high Reynolds numbers", fast.stderr)
+
     def test_a_mean_of_no_period_has_no_error(self):
         plan = write("mean.toml", PLAN.replace('"steady"', '"mean"').replace("max_time = 80", "max_time = 1"))
         result = run("flow", plan, "-o", FOLDER / "mean.h5")
@@ -274,6 +294,12 @@ relative = 0.05
             (("cells_per_length = 6", "cells_per_length = 900"), 2, ["expected at most max_memory, 2 GB"]),
             (('"ellipse"', '"elipse"'), 3, ["elipse", "ellipse"]),
             (("end = ", "ende = "), 3, ["ende", "end"]),
+            (("end = ", "intensity = 0\nend = "), 3, ["bad.toml:8", "intensity", "is 0"]),
+            (("end = ", "intensity = -0.1\nend = "), 3, ["intensity", "is -0.1"]),
+            (("end = ", "intensity = 1.5\nend = "), 3, ["intensity", "is 1.5, expected at most 1"]),
+            (("end = ", "intensity = nan\nend = "), 3, ["intensity"]),
+            (('end = "steady"\nmax_time = 80\n', "max_time = 80\n[box]\nlog10_reynolds = [3, 4]\n[tolerance]\nrelative = 0.02\n"), 3,
+             ["relative", "is 0.02, expected at least 0.03", "three times"]),
         ]:
             with self.subTest(change=change):
                 self.check_error(run("flow", write("bad.toml", PLAN.replace(*change)), "-o", out), code, *parts)
