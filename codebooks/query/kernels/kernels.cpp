@@ -32,7 +32,7 @@ template <class T, int kSets, int kVectors>
     const T* from = core + i * stride + first;
 #pragma GCC unroll 32
     for (int b = 0; b < kVectors; ++b) {
-      const Vector<T> value = load(from + b * kLanes<T>);
+      const Vector<T> value = load(from + b * kWidth<T>);
 #pragma GCC unroll 4
       for (int s = 0; s < kSets; ++s) sum.at[s * kVectors + b] += all(weights[s][i]) * value;
     }
@@ -41,7 +41,7 @@ template <class T, int kSets, int kVectors>
   for (int s = 0; s < kSets; ++s) {
     T* const to = out[s] + first;
 #pragma GCC unroll 32
-    for (int b = 0; b < kVectors; ++b) store<T>(sum.at[s * kVectors + b], to + b * kLanes<T>);
+    for (int b = 0; b < kVectors; ++b) store<T>(sum.at[s * kVectors + b], to + b * kWidth<T>);
   }
 }
 
@@ -49,11 +49,11 @@ template <class T, int kSets>
 void blend_sets(const T* core, std::ptrdiff_t stride, std::ptrdiff_t length, int nodes,
                 const T* const* weights, T* const* out) {
   // As many sums as hide the time of an addition, and fit into registers.
-  constexpr int kMany = kSets == 1 ? 12 : 8;
+  constexpr int kMany = kSets == 1 ? 12 : std::min(8, kMostSums / kSets);
   std::ptrdiff_t at = 0;
-  for (; length - at >= kMany * kLanes<T>; at += kMany * kLanes<T>)
+  for (; length - at >= kMany * kWidth<T>; at += kMany * kWidth<T>)
     blend_vectors<T, kSets, kMany>(core, stride, nodes, weights, out, at);
-  const auto left = static_cast<int>((length - at) / kLanes<T>);
+  const auto left = static_cast<int>((length - at) / kWidth<T>);
   [&]<int... kLess>(std::integer_sequence<int, kLess...>) {
     ((left == kLess + 1 ? blend_vectors<T, kSets, kLess + 1>(core, stride, nodes, weights, out, at) : void()),
      ...);
@@ -77,7 +77,7 @@ template <class T, class U, int kVectors, int kColumns>
     for (int part = 0; part < kParts; ++part, column += lda) {
 #pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) {
-        const Vector<T> value = load(column + v * kLanes<T>);
+        const Vector<T> value = load(column + v * kWidth<T>);
 #pragma GCC unroll 4
         for (int j = 0; j < kColumns; ++j)
           sum.at[part * kTile + j * kVectors + v] += value * all(b[j][k + part]);
@@ -87,7 +87,7 @@ template <class T, class U, int kVectors, int kColumns>
   for (; k < inner; ++k, column += lda) {
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
-      const Vector<T> value = load(column + v * kLanes<T>);
+      const Vector<T> value = load(column + v * kWidth<T>);
 #pragma GCC unroll 4
       for (int j = 0; j < kColumns; ++j) sum.at[j * kVectors + v] += value * all(b[j][k]);
     }
@@ -100,8 +100,8 @@ template <class T, class U, int kVectors, int kColumns>
       Vector<T> total = sum.at[j * kVectors + v];
 #pragma GCC unroll 4
       for (int part = 1; part < kParts; ++part) total += sum.at[part * kTile + j * kVectors + v];
-      const std::ptrdiff_t at = row + v * kLanes<T>;
-      if (rows - at >= kLanes<T>) {
+      const std::ptrdiff_t at = row + v * kWidth<T>;
+      if (rows - at >= kWidth<T>) {
         store(total, to + at);
       } else {
         store_part<T>(total, to + at, rows - at);
@@ -110,22 +110,29 @@ template <class T, class U, int kVectors, int kColumns>
   }
 }
 
+/// Calls run(number of vectors as a constant, first row) for tiles of at most kMost vectors of rows.
+template <class T, int kMost, class Run>
+[[gnu::always_inline]] inline void in_row_tiles(std::ptrdiff_t rows, const Run& run) {
+  static_assert(kMost == 3 || kMost == 4);
+  std::ptrdiff_t row = 0;
+  for (; rows - row > 2 * kWidth<T>; row += kMost * kWidth<T>) {
+    if (kMost == 4 && rows - row <= 3 * kWidth<T>) return run(std::integral_constant<int, 3>(), row);
+    run(std::integral_constant<int, kMost>(), row);
+  }
+  if (rows - row > kWidth<T>) {
+    run(std::integral_constant<int, 2>(), row);
+  } else if (rows > row) {
+    run(std::integral_constant<int, 1>(), row);
+  }
+}
+
 template <class T, class U, int kColumns>
 void multiply_columns(const T* a, std::ptrdiff_t lda, std::ptrdiff_t rows, int inner, const T* const* b,
                       U* const* c) {
-  std::ptrdiff_t row = 0;
-  for (; rows - row > 2 * kLanes<T>; row += 4 * kLanes<T>) {
-    if (rows - row <= 3 * kLanes<T>) {
-      multiply_tile<T, U, 3, kColumns>(a, lda, inner, b, c, row, rows);
-      return;
-    }
-    multiply_tile<T, U, 4, kColumns>(a, lda, inner, b, c, row, rows);
-  }
-  if (rows - row > kLanes<T>) {
-    multiply_tile<T, U, 2, kColumns>(a, lda, inner, b, c, row, rows);
-  } else if (rows > row) {
-    multiply_tile<T, U, 1, kColumns>(a, lda, inner, b, c, row, rows);
-  }
+  in_row_tiles<T, std::min(4, kMostSums / kColumns)>(
+      rows, [&](auto vectors, std::ptrdiff_t row) __attribute__((always_inline)) {
+        multiply_tile<T, U, vectors(), kColumns>(a, lda, inner, b, c, row, rows);
+      });
 }
 
 /// kVectors vectors of rows of kColumns points.
@@ -138,7 +145,7 @@ template <class T, class U, int kVectors, int kColumns>
   for (int k = 0; k < inner; ++k, column += lda, b += kBlock<T>) {
     Vector<T> value[kVectors];
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) value[v] = load(column + v * kLanes<T>);
+    for (int v = 0; v < kVectors; ++v) value[v] = load(column + v * kWidth<T>);
 #pragma GCC unroll 8
     for (int j = 0; j < kColumns; ++j) {
       const Vector<T> factor = all(b[j]);
@@ -152,8 +159,8 @@ template <class T, class U, int kVectors, int kColumns>
     if (to == nullptr) continue;
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
-      const std::ptrdiff_t at = row + v * kLanes<T>;
-      if (rows - at >= kLanes<T>) {
+      const std::ptrdiff_t at = row + v * kWidth<T>;
+      if (rows - at >= kWidth<T>) {
         store(sum.at[j * kVectors + v], to + at);
       } else {
         store_part<T>(sum.at[j * kVectors + v], to + at, rows - at);
@@ -162,7 +169,7 @@ template <class T, class U, int kVectors, int kColumns>
   }
 }
 
-/// kRows rows of a contraction, for the two vectors of a block. Without a column v, it is taken as 1.
+/// kRows rows of a contraction, for two vectors of the points of a block. Without a column v, it is taken as 1.
 template <class T, int kRows, bool kHasColumn>
 [[gnu::always_inline]] inline void contract_rows(const T* core, std::ptrdiff_t stride, int left, int right,
                                                  int nodes, const T* weights, const T* v,
@@ -170,11 +177,11 @@ template <class T, int kRows, bool kHasColumn>
   sum.clear();
   for (int i = 0; i < nodes; ++i) {
     const Vector<T> w0 = load(weights + i * kBlock<T>);
-    const Vector<T> w1 = load(weights + i * kBlock<T> + kLanes<T>);
+    const Vector<T> w1 = load(weights + i * kBlock<T> + kWidth<T>);
     const T* column = core + i * stride;
     for (int r = 0; r < right; ++r, column += left) {
       const Vector<T> b0 = kHasColumn ? w0 * load(v + r * kBlock<T>) : w0;
-      const Vector<T> b1 = kHasColumn ? w1 * load(v + r * kBlock<T> + kLanes<T>) : w1;
+      const Vector<T> b1 = kHasColumn ? w1 * load(v + r * kBlock<T> + kWidth<T>) : w1;
 #pragma GCC unroll 16
       for (int l = 0; l < kRows; ++l) {
         const Vector<T> factor = all(column[l]);
@@ -185,23 +192,36 @@ template <class T, int kRows, bool kHasColumn>
   }
 }
 
-constexpr int kMostRows = 12;
+constexpr int kMostRows = kMostSums / 2;
+
+/// Where sum i of two vectors a row belongs among rows of a block.
+template <class T>
+constexpr std::ptrdiff_t place_of(int i) {
+  return i / 2 * kBlock<T> + i % 2 * kWidth<T>;
+}
 
 template <class T, int kRows>
 void contract_tile(const T* core, std::ptrdiff_t stride, int left, int right, int nodes, const T* weights,
                    const T* v, T* out) {
-  Sums<T, 2 * kRows> sum;
-  contract_rows<T, kRows, true>(core, stride, left, right, nodes, weights, v, sum);
+  for (int point = 0; point < kBlock<T>; point += 2 * kWidth<T>) {
+    Sums<T, 2 * kRows> sum;
+    contract_rows<T, kRows, true>(core, stride, left, right, nodes, weights + point, v + point, sum);
 #pragma GCC unroll 32
-  for (int i = 0; i < 2 * kRows; ++i) store<T>(sum.at[i], out + i * kLanes<T>);
+    for (int i = 0; i < 2 * kRows; ++i) store<T>(sum.at[i], out + point + place_of<T>(i));
+  }
 }
 
 template <class T, int kRows>
 void scale_tile(const T* factor, std::ptrdiff_t stride, int rank, int nodes, const T* weights, T* out) {
-  Sums<T, 2 * kRows> sum;
-  contract_rows<T, kRows, false>(factor, stride, rank, 1, nodes, weights, nullptr, sum);
+  for (int point = 0; point < kBlock<T>; point += 2 * kWidth<T>) {
+    Sums<T, 2 * kRows> sum;
+    contract_rows<T, kRows, false>(factor, stride, rank, 1, nodes, weights + point, nullptr, sum);
 #pragma GCC unroll 32
-  for (int i = 0; i < 2 * kRows; ++i) store<T>(sum.at[i] * load(out + i * kLanes<T>), out + i * kLanes<T>);
+    for (int i = 0; i < 2 * kRows; ++i) {
+      T* const to = out + point + place_of<T>(i);
+      store<T>(sum.at[i] * load(to), to);
+    }
+  }
 }
 
 /// Calls run(number of rows as a constant, first row) for tiles of nearly equal size.
@@ -223,7 +243,7 @@ void in_tiles(int rows, const Run& run) {
 
 namespace {
 
-using Integers [[gnu::vector_size(kVectorBytes)]] = long long;
+using Integers [[gnu::vector_size(kRegisterBytes)]] = long long;
 
 /// Each lane multiplies up the differences of its own polynomial; four products at a time do not wait for
 /// each other.
@@ -233,7 +253,7 @@ template <int kVectors>
   Integers lane[kVectors];
   Vector<double> product[kVectors][4];
   for (int v = 0; v < kVectors; ++v) {
-    lane[v] = Integers{0, 1, 2, 3, 4, 5, 6, 7} + 8 * v;
+    for (int i = 0; i < kWidth<double>; ++i) lane[v][i] = v * kWidth<double> + i;
     for (int part = 0; part < 4; ++part) product[v][part] = all(1.0);
   }
   for (int k = 0; k < size; ++k) {
@@ -242,15 +262,15 @@ template <int kVectors>
   }
   for (int v = 0; v < kVectors; ++v) {
     const Vector<double> total = product[v][0] * product[v][1] * (product[v][2] * product[v][3]);
-    store<double>(load(lambda + v * kLanes<double>) * total, values + v * kLanes<double>);
+    store<double>(load(lambda + v * kWidth<double>) * total, values + v * kWidth<double>);
   }
 }
 
 }  // namespace
 
 void lagrange(const double* nodes, const double* lambda, int size, double place, double* values) {
-  if (size <= kLanes<double>) return lagrange_lanes<1>(nodes, lambda, size, place, values);
-  if (size <= 2 * kLanes<double>) return lagrange_lanes<2>(nodes, lambda, size, place, values);
+  if (size <= kWidth<double>) return lagrange_lanes<1>(nodes, lambda, size, place, values);
+  if (size <= 2 * kWidth<double>) return lagrange_lanes<2>(nodes, lambda, size, place, values);
   double before = 1.0;
   for (int j = 0; j < size; ++j) {
     values[j] = lambda[j] * before;
@@ -266,7 +286,7 @@ void lagrange(const double* nodes, const double* lambda, int size, double place,
 template <class T>
 void lagrange_block(const double* nodes, const double* lambda, int size, const double* places, T* values) {
   constexpr int kMost = 64;
-  for (int first = 0; first < kBlock<T>; first += kLanes<double>) {
+  for (int first = 0; first < kBlock<T>; first += kWidth<double>) {
     const Vector<double> x = load(places + first);
     std::array<Vector<double>, kMost> before;
     Vector<double> product = all(1.0);
@@ -277,7 +297,7 @@ void lagrange_block(const double* nodes, const double* lambda, int size, const d
     product = all(1.0);
     for (int j = size - 1; j >= 0; --j) {
       const Vector<double> value = before[static_cast<std::size_t>(j)] * product;
-      for (int p = 0; p < kLanes<double>; ++p) values[j * kBlock<T> + first + p] = static_cast<T>(value[p]);
+      for (int p = 0; p < kWidth<double>; ++p) values[j * kBlock<T> + first + p] = static_cast<T>(value[p]);
       product *= 2.0 * (x - all(nodes[j]));
     }
   }
@@ -308,7 +328,7 @@ void stream(const double* from, std::ptrdiff_t size, double* to) {
 
 template <class T>
 void scale(const T* a, const T* b, std::ptrdiff_t length, T* out) {
-  for (std::ptrdiff_t i = 0; i < length; i += kLanes<T>) store<T>(load(a + i) * load(b + i), out + i);
+  for (std::ptrdiff_t i = 0; i < length; i += kWidth<T>) store<T>(load(a + i) * load(b + i), out + i);
 }
 
 template <class T, class U>
@@ -323,16 +343,13 @@ void multiply(const T* a, std::ptrdiff_t lda, std::ptrdiff_t rows, int inner, co
 
 template <class T, class U>
 void multiply_block(const T* a, std::ptrdiff_t lda, std::ptrdiff_t rows, int inner, const T* b, U* const* c) {
-  constexpr int kColumns = 8;
+  constexpr int kVectors = 3, kColumns = kMostSums / kVectors;
+  static_assert(kBlock<T> % kColumns == 0);
   for (int j = 0; j < kBlock<T>; j += kColumns) {
-    std::ptrdiff_t row = 0;
-    for (; rows - row > 2 * kLanes<T>; row += 3 * kLanes<T>)
-      multiply_block_tile<T, U, 3, kColumns>(a, lda, inner, b + j, c + j, row, rows);
-    if (rows - row > kLanes<T>) {
-      multiply_block_tile<T, U, 2, kColumns>(a, lda, inner, b + j, c + j, row, rows);
-    } else if (rows > row) {
-      multiply_block_tile<T, U, 1, kColumns>(a, lda, inner, b + j, c + j, row, rows);
-    }
+    in_row_tiles<T, kVectors>(
+        rows, [&](auto vectors, std::ptrdiff_t row) __attribute__((always_inline)) {
+          multiply_block_tile<T, U, vectors(), kColumns>(a, lda, inner, b + j, c + j, row, rows);
+        });
   }
 }
 

@@ -11,10 +11,11 @@
 /// padded<T>(size) numbers, zero at first.
 namespace samara::codebooks::kernels {
 
-/// Bytes of a vector, and the alignment that is fastest; none is required.
+/// Bytes of the longest vector of any machine, to which buffers are padded whatever the machine, and the alignment
+/// that is fastest; none is required.
 inline constexpr std::size_t kVectorBytes = 64;
 
-/// Numbers of a vector.
+/// Numbers of such a vector.
 template <class T>
 inline constexpr int kLanes = static_cast<int>(kVectorBytes / sizeof(T));
 

@@ -27,7 +27,7 @@ template <int kColumns, int kUsed, int kOut, int... kLane>
 template <int kColumns>
 void residual_columns(const double* values, const double* slopes, const double* observed,
                       const double* scales, std::ptrdiff_t rows, double* residuals, double* jacobian) {
-  constexpr int kLength = kLanes<double>;
+  constexpr int kLength = kWidth<double>;
   std::ptrdiff_t i = 0;
   for (; i + kLength <= rows; i += kLength) {
     const Vector<double> weight = 1.0 / load(scales + i);

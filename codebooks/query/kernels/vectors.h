@@ -16,12 +16,33 @@ namespace samara::codebooks::kernels {
 
 namespace {
 
-/// A vector of the compiler: instructions of the machine where it has them, else several smaller ones.
+// As long as the registers of the machine: longer vectors the compiler takes apart through memory, at several times
+// the cost.
+#if defined(__AVX512F__)
+constexpr std::size_t kRegisterBytes = 64;
+constexpr int kRegisters = 32;
+#elif defined(__AVX__)
+constexpr std::size_t kRegisterBytes = 32;
+constexpr int kRegisters = 16;
+#else
+constexpr std::size_t kRegisterBytes = 16;
+constexpr int kRegisters = 16;
+#endif
+static_assert(kVectorBytes % kRegisterBytes == 0);
+
+/// Numbers of a register.
+template <class T>
+constexpr int kWidth = static_cast<int>(kRegisterBytes / sizeof(T));
+
+/// Sums that stand in registers beside what is added to them.
+constexpr int kMostSums = kRegisters * 3 / 4;
+
+/// A register.
 template <class T>
 struct VectorOf {
-  using Type [[gnu::vector_size(kVectorBytes)]] = T;
+  using Type [[gnu::vector_size(kRegisterBytes)]] = T;
   /// The same anywhere in memory.
-  using Anywhere [[gnu::vector_size(kVectorBytes), gnu::aligned(alignof(T)), gnu::may_alias]] = T;
+  using Anywhere [[gnu::vector_size(kRegisterBytes), gnu::aligned(alignof(T)), gnu::may_alias]] = T;
 };
 template <class T>
 using Vector = typename VectorOf<T>::Type;
@@ -38,22 +59,22 @@ template <class T>
 }
 
 /// Half of a vector of single floats, as doubles.
-template <int... kLane>
+template <int kFirst, int... kLane>
 [[gnu::always_inline]] inline Vector<double> half(const Vector<float>& v,
                                                   std::integer_sequence<int, kLane...>) {
-  return __builtin_convertvector(__builtin_shufflevector(v, v, kLane...), Vector<double>);
+  return __builtin_convertvector(__builtin_shufflevector(v, v, kFirst + kLane...), Vector<double>);
 }
 [[gnu::always_inline]] inline Vector<double> low_half(const Vector<float>& v) {
-  return half(v, std::integer_sequence<int, 0, 1, 2, 3, 4, 5, 6, 7>());
+  return half<0>(v, std::make_integer_sequence<int, kWidth<double>>());
 }
 [[gnu::always_inline]] inline Vector<double> high_half(const Vector<float>& v) {
-  return half(v, std::integer_sequence<int, 8, 9, 10, 11, 12, 13, 14, 15>());
+  return half<kWidth<double>>(v, std::make_integer_sequence<int, kWidth<double>>());
 }
 
 /// Doubles of a vector of single floats.
 [[gnu::always_inline]] inline void store(const Vector<float>& v, double* to) {
   store<double>(low_half(v), to);
-  store<double>(high_half(v), to + kLanes<double>);
+  store<double>(high_half(v), to + kWidth<double>);
 }
 
 /// The first `count` lanes, fewer than all.
