@@ -59,7 +59,8 @@ class Comparisons(Case):
 
     def test_by_evidence_the_drag_that_the_drops_have_is_preferred_and_without_priors_it_is_said(self):
         def placed(config):
-            return config.read_text().replace("[box]\n", '[box]\n"x(0)" = [-0.1, 0.1]\n')
+            text = config.read_text().replace("[-0.2, 0.5]", "[-1, 1]")  # far from what another drag asks of the start
+            return text.replace("[box]\n", '[box]\n"x(0)" = [-0.1, 0.1]\n')
         right, wrong = write("right_placed.toml", placed(self.right)), write("wrong_placed.toml", placed(self.wrong))
         first, second = self.compared(right, wrong)["models"]
         self.assertEqual([first["evidence"]["to_first"], first["no_evidence"]], [0, ""])
