@@ -87,7 +87,7 @@ void windows_case(const Options& options) {
   codebooks::FlowMap map(built.book);
   const int falls = options.quick ? 20 : 200;
   const auto worst = [](const Composed& of) { return of.shares.empty() ? NAN : of.shares.back(); };
-  const Composed first = compose_falls(plan, map, falls, 29), second = compose_falls(plan, map, falls, 2113);
+  const Composed first = compose_falls(plan, map, falls, 29), second = compose_falls(plan, map, falls, 77003);
   print({kBench, kName, "error", worst(first)});
   print({kBench, kName, "error_median", first.shares.empty() ? NAN : first.shares[first.shares.size() / 2]});
   print(
