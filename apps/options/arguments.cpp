@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -16,7 +15,6 @@
 #include "options/value_runs.h"
 #include "options/wrong_calls.h"
 #include "samara/base/errors.h"
-#include "samara/base/names.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
 
@@ -37,16 +35,6 @@ void refuse_empty(CLI::App& command) {
     option->check(CLI::Validator(
         [](const std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, ""));
   }
-}
-
-/// The option parser would only say that some command is needed.
-void check_command(const CLI::App& app, int argc, const char* const* argv) {
-  if (argc < 2 || std::string_view(argv[1]).starts_with('-')) return;
-  std::vector<std::string> known;
-  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
-  const std::string name = argv[1];
-  if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  throw ArgumentError(fmt::format("\"{}\" is not a command{}", name, suggestion(name, known)));
 }
 
 /// A value too many after an option would pass for one more input. So the inputs of a command stand in one
@@ -106,7 +94,7 @@ Arguments parse(int argc, const char* const* argv) {
     command->add_flag("-v,--verbose", arguments.verbose, "say more: each stage, every note, time and memory");
   }
   if (argc < 2) return nothing_asked(app);
-  check_command(app, argc, argv);
+  check_command(app, {argv + 1, argv + argc});
   try {
     std::vector<std::string> words = with_rows_taken_apart(app, {argv + 1, argv + argc});
     std::ranges::reverse(words);  // as the parser takes them

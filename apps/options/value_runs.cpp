@@ -69,12 +69,6 @@ bool continues(ValueKind kind, const std::string& word, bool takes_files) {
   return false;
 }
 
-const CLI::App* command_of(const CLI::App& app, const std::string& name) {
-  for (const CLI::App* command : app.get_subcommands({}))
-    if (command->get_name() == name) return command;
-  return nullptr;
-}
-
 /// Whether the next word is its value.
 bool takes_value(const CLI::App& command, const std::string& word) {
   if (word.find('=') != std::string::npos) return false;
@@ -83,6 +77,12 @@ bool takes_value(const CLI::App& command, const std::string& word) {
 }
 
 }  // namespace
+
+const CLI::App* command_of(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (command->get_name() == name) return command;
+  return nullptr;
+}
 
 bool takes_run(const std::string& option) {
   return find_run(option) != nullptr;

@@ -9,6 +9,9 @@ class App;
 
 namespace samara::apps {
 
+/// The command of that name; null where there is none.
+const CLI::App* command_of(const CLI::App& app, const std::string& name);
+
 /// Whether several values may follow the option in a row, as in `--at 0.1 0.2`. All others take one and may be repeated.
 bool takes_run(const std::string& option);
 

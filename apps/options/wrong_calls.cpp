@@ -1,5 +1,6 @@
 #include "options/wrong_calls.h"
 
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -7,6 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "options/value_runs.h"
+#include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
 
@@ -32,11 +35,16 @@ std::string is(const std::string& name, const std::string& value, const std::str
   return fmt::format("{} is {}, expected {}", name, in_quotes(value), expected);
 }
 
+std::vector<std::string> long_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
 /// Words that no option and no input has taken.
 std::string sentence_of_extras(const std::vector<std::string>& words, const CLI::App& command) {
-  std::vector<std::string> known;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  const std::vector<std::string> known = long_names(command);
   for (const std::string& word : words) {
     if (word.size() < 2 || word.front() != '-') continue;
     const std::string name = word.substr(0, word.find('='));
@@ -72,7 +80,55 @@ std::string sentence_of_number(const std::string& said, const CLI::App& command)
   return is(name, value, is_whole ? "a whole number" : "a number");
 }
 
+/// The command among the words, null where there is none.
+const CLI::App* named_command(const CLI::App& app, std::span<const std::string> words) {
+  for (const std::string& word : words)
+    if (const CLI::App* command = command_of(app, word)) return command;
+  return nullptr;
+}
+
+/// An option before the command that is none of the few that belong there.
+std::string sentence_of_early_option(const std::string& name, const CLI::App& app, const CLI::App* command) {
+  if (command != nullptr && command->get_option_no_throw(name) != nullptr)
+    return fmt::format("{} stands before the command, expected behind it: samara {} {}", in_quotes(name),
+                       command->get_name(), name);
+  for (const CLI::App* other : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (other->get_option_no_throw(name) != nullptr)
+      return fmt::format("{} stands before a command, expected behind one that has it, as in samara {} {}",
+                         in_quotes(name), other->get_name(), name);
+  const std::vector<std::string> here = long_names(app);
+  const std::vector<std::string> behind = command == nullptr ? here : long_names(*command);
+  std::string near = nearest_name(name, here);
+  std::string place;
+  if (near.empty()) {
+    near = nearest_name(name, behind);
+    place = ", behind the command";
+  }
+  return fmt::format("samara has no option {}{}", in_quotes(name),
+                     near.empty() ? "; known before a command: " + join(here)
+                                  : fmt::format("; did you mean {}{}?", near, place));
+}
+
 }  // namespace
+
+void check_command(const CLI::App& app, const std::vector<std::string>& words) {
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const std::string& word = words[k];
+    if (word.size() < 2 || word.front() != '-') {
+      if (command_of(app, word) != nullptr) return;
+      std::vector<std::string> known;
+      for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        known.push_back(command->get_name());
+      throw ArgumentError(fmt::format("{} is not a command{}", in_quotes(word), suggestion(word, known)));
+    }
+    const std::string name = word.substr(0, word.find('='));
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (option == nullptr)
+      throw ArgumentError(
+          sentence_of_early_option(name, app, named_command(app, std::span(words).subspan(k + 1))));
+    if (option->get_items_expected_max() > 0 && name == word) ++k;
+  }
+}
 
 std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
   const CLI::App& command = called(app);
@@ -80,6 +136,8 @@ std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     return sentence_of_extras(command.remaining(), command);
   if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr) return sentence_of_value(said);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
+    return parted(said, ": ").first + " stands without a value, expected one after it";
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr && said.starts_with("Could not convert"))
     return sentence_of_number(said, command);
   return said;

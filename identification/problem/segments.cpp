@@ -135,9 +135,10 @@ void check_times(const models::FamilyInfo& family, const FitProblem& problem, co
   if (previous <= family.end_time) return;
   if (previous > family.end_time + 1e-3 * interval) {
     refuse(motion.file,
-           fmt::format("capture \"{}\" lasts {} s, but the {} ends at {} s; a `span` of at most that was "
-                       "expected",
-                       motion.id, previous, family.source, family.end_time));
+           fmt::format(
+               "capture \"{}\" lasts {:.9g} s, but the {} ends at {:.9g} s; a `span` of at most that was "
+               "expected",
+               motion.id, previous, family.source, family.end_time));
   }
   if (!averages) segment.times.back() = family.end_time;
 }

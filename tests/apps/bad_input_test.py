@@ -299,6 +299,17 @@ class BadCalls(Case):
         self.check_error(run("qqqq"), 2, '"qqqq" is not a command', "known: models, simulate, plan, build")
         self.check_error(run("biuld", "plan.toml"), 2, 'did you mean "build"?')
 
+    def test_an_unknown_option_before_any_command_is_named(self):
+        self.check_error(run("--foo", "build", "plan.toml"), 2, 'samara has no option "--foo"; did you mean --force, behind the command?')
+        for call in [["--foo"], ["--zzzzzzzz=3", "models"], ["-x"]]:
+            self.check_error(run(*call), 2, f'samara has no option "{call[0].split("=")[0]}"', "known before a command:", "--model-library")
+        self.check_error(run("--json"), 2, '"--json" stands before a command, expected behind one that has it, as in samara models --json')
+        self.check_error(run("--versoin"), 2, 'samara has no option "--versoin"; did you mean --version?')
+        self.check_error(run("--quite", "build", "plan.toml"), 2, "did you mean --quiet, behind the command?")
+        self.check_error(run("-q", "build", "plan.toml"), 2, '"-q" stands before the command, expected behind it: samara build -q')
+        self.check_error(run("--model-library", "none.so", "biuld"), 2, '"biuld" is not a command; did you mean "build"?')
+        self.check_error(run("-"), 2, '"-" is not a command')
+
     def test_what_has_no_effect_or_no_meaning_is_refused(self):
         self.check_error(run("fit", "vertical_fall", "x.csv", "--reference"), 2, "--reference", "integrated anyway")
         for seed in ["-1", "1" * 23, "1.5", "0x10"]:
@@ -313,6 +324,8 @@ class BadCalls(Case):
                                (["query", line, "--gradiant"], 'query has no option "--gradiant"; did you mean --gradient?'),
                                (["query", line, "--zzzzzzzzzzzzz=3"], 'query has no option "--zzzzzzzzzzzzz"'),
                                (["validate", line, "again.h5"], 'validate does not take "again.h5" as well'),
+                               (["query", line, "--set"], "--set stands without a value, expected one after it"),
+                               (["query", line, "--set", "k=4", "--at"], "--at stands without a value, expected one after it"),
                                (["completion", "tcsh"], 'SHELL is "tcsh", expected one of bash, zsh, fish'),
                                (["info", ""], "BOOK is empty")]:
             result = run(*call)
@@ -331,6 +344,10 @@ class BadCalls(Case):
             with self.subTest(command=command["name"], file=kinds[k % len(kinds)]):
                 self.check_error(result, result.returncode)
                 self.assertIn(result.returncode, (2, 3))
+
+    def test_a_sidecar_in_the_place_of_the_model_is_told_as_one(self):
+        sidecar = write("swapped.toml", '[columns]\nt = { quantity = "t", unit = "s" }\n')
+        self.check_error(run("fit", sidecar, write("swapped.csv", "t[s],x[m]\n0,0\n1,1\n")), 3, "swapped.toml:1: columns: is that of a sidecar, expected a model or a codebook here")
 
     def test_an_option_with_an_empty_value_is_not_one_that_was_not_given(self):
         path = book("line", LINE_PLAN)
