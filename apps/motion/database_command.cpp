@@ -25,6 +25,7 @@ struct DatabaseArguments {
 int run_database(const DatabaseArguments& arguments) {
   catch_interrupts();
   check_output(arguments.output, {arguments.sweep});
+  check_replaced(arguments.output, "database of motions", "\x89HDF");
   const motion::Sweep sweep = motion::load_sweep(arguments.sweep);
   const motion::MotionDatabase database = motion::build_database(sweep, {.progress = progress_line()});
   clear_progress();

@@ -44,6 +44,12 @@ void check_output(const std::string& path, const std::vector<std::string>& input
   io::require_writable(path);
 }
 
+void check_ending(const std::string& path, const std::string& ending) {
+  const std::string found = std::filesystem::path(path).extension();
+  if (found.empty() || found == ending) return;
+  throw ArgumentError(fmt::format("the output is \"{}\", expected a name in {}", path, ending));
+}
+
 void check_replaced(const std::string& path, const std::string& kind, const std::string& mark) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return;

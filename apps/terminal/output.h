@@ -23,6 +23,9 @@ void print(const Json& object);
 /// Before the work is done: whether an answer can be written to the file.
 /// @throws ArgumentError if not, or if it is one of the inputs.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
+/// Of a file that is of one kind whatever its name is: `fall.png` must not hold a picture in SVG.
+/// @throws ArgumentError for a name with another ending; names without one, as those of streams, are taken
+void check_ending(const std::string& path, const std::string& ending);
 /// Of a file that is written by a name that may be another's: a sentence for where it is there and is none of its kind.
 /// @param kind such as "plan" @param mark what every file of the kind holds in its first 64 kB
 /// @throws ArgumentError if the file is there, regular, and without the mark

@@ -386,13 +386,24 @@ class ChangedPlans(Case):
         self.check_error(run("plan", "vertical_fal"), 2, "vertical_fall")
 
     def test_no_file_of_another_kind_is_lost_to_a_plan_or_a_flat_file(self):
-        notes, line = write("notes.txt", "mine\n"), book("line", LINE_PLAN)
+        notes, flat, line = write("notes.txt", "mine\n"), write("notes.flat", "mine\n"), book("line", LINE_PLAN)
         self.check_error(run("plan", "vertical_fall", "-o", notes), 2, "notes.txt", "no plan")
-        self.check_error(run("export", line, "--to", "flat", "-o", notes), 2, "notes.txt", "no flat file")
-        self.assertEqual(notes.read_text(), "mine\n")
+        self.check_error(run("export", line, "--to", "flat", "-o", flat), 2, "notes.flat", "no flat file")
+        self.assertEqual((notes.read_text(), flat.read_text()), ("mine\n", "mine\n"))
+        sweep = write("card_sweep.toml", "")
+        self.check_error(run("database", sweep, "-o", notes), 2, "notes.txt", "no database of motions")
         for name, call in (("twice.toml", ["plan", "vertical_fall"]), ("twice.flat", ["export", line, "--to", "flat"])):
             for _ in range(2):
                 self.assertEqual(run(*call, "-o", FOLDER / name).returncode, 0)
+
+
+    def test_a_picture_or_page_is_not_written_by_a_name_of_another_kind(self):
+        line = book("line", LINE_PLAN)
+        for call, name, ending in [(["plot", line, "-o"], "fall.png", ".svg"), (["explore", line, "-o"], "page.txt", ".html"),
+                                   (["export", line, "--to", "flat", "-o"], "line.h", ".flat"), (["picture", line, "-o"], "k.jpg", ".png"),
+                                   (["fit", line, write("two.csv", "t[s],x[m]\n0,0\n1,1\n"), "--report"], "fit.pdf", ".html"), (["patterns", line, "--report"], "page.csv", ".html")]:
+            self.check_error(run(*call, FOLDER / name), 2, name, f"expected a name in {ending}")
+            self.assertFalse((FOLDER / name).exists())
 
 
 class SchemasAndFiles(Case):
