@@ -66,7 +66,7 @@ std::vector<double> times_of(const Codebook& book, const ExportArguments& argume
   const codebooks::Coordinate& time = book.time("--at");
   const std::vector<double> times = numbers_of("--at", arguments.at, time.unit);
   if (!times.empty()) return times;
-  const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(11, time.lower, time.upper);
+  const Eigen::VectorXd all = even_times(11, time.lower, time.upper);
   return {all.begin(), all.end()};
 }
 

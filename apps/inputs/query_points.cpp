@@ -34,7 +34,7 @@ std::vector<double> times_of(const Codebook& book, const QueryArguments& argumen
   if (!(end > begin))
     throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
   constexpr int kUsualTimes = 11;
-  const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(arguments.frames.value_or(kUsualTimes), begin, end);
+  const Eigen::VectorXd all = even_times(arguments.frames.value_or(kUsualTimes), begin, end);
   return {all.begin(), all.end()};
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -35,6 +37,11 @@ std::vector<double> values_of(const std::string& option, std::vector<std::string
   return values;
 }
 
+/// 0.3 for 3 times 0.1, which is 0.30000000000000004: the nearest number of 15 digits, as people write them.
+double as_typed(double value) {
+  return std::strtod(fmt::format("{:.15g}", value).c_str(), nullptr);
+}
+
 std::vector<double> range_of(const std::string& option, const std::string& text,
                              const std::vector<double>& ends) {
   const double from = ends[0], step = ends[1], to = ends[2];
@@ -53,7 +60,7 @@ std::vector<double> range_of(const std::string& option, const std::string& text,
   std::vector<double> values;
   for (long k = 0; k <= count; ++k) {
     const double value = from + static_cast<double>(k) * step;
-    values.push_back(std::abs(value - to) <= kRounding * std::abs(step) ? to : value);
+    values.push_back(std::abs(value - to) <= kRounding * std::abs(step) ? to : as_typed(value));
   }
   return values;
 }
@@ -83,6 +90,12 @@ std::vector<double> numbers_of(const std::string& option, const std::vector<std:
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
+}
+
+Eigen::VectorXd even_times(Eigen::Index count, double from, double to) {
+  Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(count, from, to);
+  for (Eigen::Index k = 1; k + 1 < count; ++k) times[k] = as_typed(times[k]);
+  return times;
 }
 
 }  // namespace samara::apps

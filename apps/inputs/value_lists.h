@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 namespace samara::apps {
 
 /// What stands behind the number of a text: "s" of "0.2 s"; nothing where there is no number.
@@ -18,5 +20,9 @@ std::vector<double> numbers_of(const std::string& option, const std::string& tex
 /// All of several such texts, one after the other.
 std::vector<double> numbers_of(const std::string& option, const std::vector<std::string>& texts,
                                const std::string& unit);
+
+/// Times at even distances, both ends among them; those between are the nearest of 15 digits, 0.3 and not
+/// 0.30000000000000004.
+Eigen::VectorXd even_times(Eigen::Index count, double from, double to);
 
 }  // namespace samara::apps

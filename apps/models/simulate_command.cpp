@@ -12,6 +12,7 @@
 #include "air/winds.h"
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
+#include "inputs/value_lists.h"
 #include "models/steered_model.h"
 #include "options/option_parts.h"
 #include "pictures/animation.h"
@@ -258,7 +259,7 @@ int run_simulate(const SimulateArguments& arguments) {
   const double end = end_of(arguments, parametric);
   if (steered.book) steered.check_time(end);
   check_frames(arguments, info);
-  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(arguments.frames, 0.0, end);
+  const Eigen::VectorXd times = even_times(arguments.frames, 0.0, end);
   if (!arguments.cloud.realisations.empty()) return fly_cloud(arguments, parametric, times);
   const auto family =
       models::integrator_trajectories(steered.model, steered.values, {}, integrator_of(arguments, info));

@@ -274,11 +274,13 @@ class ManyQuestions(Case):
     def test_lists_and_ranges_of_times(self):
         line = book("line", LINE_PLAN)
         times = lambda *at: [float(row["t[1]"]) for row in rows(run("query", line, "--set", "k=4", "--at", *at).stdout)]
-        self.assertEqual(times("0:0.1:0.5"), [0.1 * k for k in range(6)])
+        self.assertEqual(times("0:0.1:0.5"), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5])  # 3 times 0.1 is 0.30000000000000004
         self.assertEqual(times("0.1,0.2", "100 %"), [0.1, 0.2, 1.0])
         self.assertEqual(times("0:25:100 %"), [0.0, 0.25, 0.5, 0.75, 1.0])
         self.assertEqual(times("2:-1:0.5"), [2.0, 1.0])
         self.assertEqual(len(rows(run("query", line, "--set", "k=4", "--frames", "25").stdout)), 25)
+        fall = run("simulate", "constant_rate", "--set", "k=4", "--until", "1", "--frames", "11").stdout
+        self.assertEqual([row.split(",")[0] for row in fall.splitlines()[1:]], [f"{k / 10:g}" for k in range(11)])
         for bad, part in [("0:0:1", "no steps"), ("0:-1:5", "no steps"), ("0:1", "FROM:STEP:TO"), ("0:1e-9:10", "at most"), ("0,x", "x"), ("0,,1", "--at")]:
             self.check_error(run("query", line, "--set", "k=4", "--at", bad), 2, part)
         self.check_error(run("query", line, "--set", "k=4", "--at", "1", "--frames", "5"), 2, "--frames", "--at")
