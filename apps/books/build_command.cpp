@@ -16,6 +16,7 @@
 #include "terminal/interrupts.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
+#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -103,7 +104,7 @@ int run_build(const BuildArguments& arguments) {
     narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
                         result.book.provenance().build_seconds, effort(result.book)));
     print(arguments.json ? build_json(result, arguments.output).dump() + "\n"
-                         : to_table(*result.book.certificate(), result.book));
+                         : wrapped_lines(to_table(*result.book.certificate(), result.book)));
     if (result.met) return kDone;
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
     if (result.resumable)

@@ -16,6 +16,7 @@
 #include "samara/io/atomic_file.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
+#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -75,7 +76,8 @@ int run_compare(const CompareArguments& arguments) {
   const id::ModelComparison comparison = id::compare_files(request_of(arguments));
   clear_progress();
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::comparison_json(comparison));
-  print(arguments.json ? id::comparison_json(comparison) : printable(id::comparison_text(comparison), "\n"));
+  print(arguments.json ? id::comparison_json(comparison)
+                       : wrapped_prose(printable(id::comparison_text(comparison), "\n")));
   if (!comparison.quantities.empty()) return kDone;
   complain("no forecast is common to all models");
   return kToleranceMissed;

@@ -17,6 +17,7 @@
 #include "samara/io/atomic_file.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
+#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -108,7 +109,7 @@ int run_design(const DesignArguments& arguments) {
        .warning = [](const std::string& sentence) { warn(sentence); }});
   clear_progress();
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::design_json(design));
-  print(arguments.json ? id::design_json(design) : printable(id::design_text(design), "\n"));
+  print(arguments.json ? id::design_json(design) : wrapped_prose(printable(id::design_text(design), "\n")));
   return kDone;
 }
 

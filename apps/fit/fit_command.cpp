@@ -23,6 +23,7 @@
 #include "samara/io/atomic_file.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
+#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -136,7 +137,7 @@ void write(const FitArguments& arguments, const id::FitReport& report) {
   const auto text = [&] {
     return report.series ? id::series_text(*report.series) : id::fit_text(report.fit);
   };
-  print(arguments.json ? json() : printable(text(), "\n"));
+  print(arguments.json ? json() : wrapped_prose(printable(text(), "\n")));
 }
 
 int run_fit(const FitArguments& arguments) {

@@ -17,6 +17,7 @@
 #include "samara/io/atomic_file.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
+#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -104,7 +105,7 @@ int run_follow(const FollowArguments& arguments) {
   clear_progress();
   for (const std::string& sentence : report.warnings) warn(sentence);
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::follow_csv(report));
-  print(arguments.json ? id::follow_json(report) : printable(id::follow_text(report), "\n"));
+  print(arguments.json ? id::follow_json(report) : wrapped_prose(printable(id::follow_text(report), "\n")));
   return kDone;
 }
 

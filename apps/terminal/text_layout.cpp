@@ -62,19 +62,32 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
   return lines;
 }
 
-std::string wrapped_lines(const std::string& text, std::size_t width) {
+namespace {
+
+std::string wrapped_where(const std::string& text, std::size_t width, bool are_rows_kept) {
   std::string result;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string line = text.substr(begin, end - begin);
     const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
-    result += columns_of(line) <= width
+    const bool is_row = line.find("  ", indent) != std::string::npos;
+    result += columns_of(line) <= width || (is_row && are_rows_kept)
                   ? line
                   : line.substr(0, indent) + wrapped(line.substr(indent), indent + 4, width, indent);
     if (end < text.size()) result += '\n';
     begin = end + 1;
   }
   return result;
+}
+
+}  // namespace
+
+std::string wrapped_lines(const std::string& text, std::size_t width) {
+  return wrapped_where(text, width, false);
+}
+
+std::string wrapped_prose(const std::string& text, std::size_t width) {
+  return wrapped_where(text, width, true);
 }
 
 }  // namespace samara::apps

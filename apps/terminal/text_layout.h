@@ -17,4 +17,7 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
 /// Every line of `text` that is longer than `width` goes on below, further in than it begins. Others stay as they are.
 std::string wrapped_lines(const std::string& text, std::size_t width = screen_width());
 
+/// The same of sentences only: a row of a table, which has two blanks side by side, stays as it is.
+std::string wrapped_prose(const std::string& text, std::size_t width = screen_width());
+
 }  // namespace samara::apps

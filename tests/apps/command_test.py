@@ -63,8 +63,14 @@ class Help(Case):
             longest = max(len(line) for line in result.stdout.splitlines() if "samara" not in line)
             self.assertLessEqual(longest, int(columns))
             self.assertGreater(longest, int(columns) - 25)
-        described = run("info", book("coin", COIN_PLAN)).stdout
-        self.assertLessEqual(max(map(len, described.splitlines())), 110)
+        coin = book("coin", COIN_PLAN)
+        for call in (["info", coin], ["validate", coin, "--points", "50"], ["build", FOLDER / "coin.toml", "-o", FOLDER / "wrapped.h5"]):
+            self.assertLessEqual(max(map(len, run(*call).stdout.splitlines())), 110)
+        fall = run("query", coin, "--set", "C_D=1.2", "--set", "v0=0.1", "--at", "0:0.016:0.4").stdout.splitlines()
+        table = write("wrapped.csv", "\n".join(["t[s],x[m]", *(f"{row.split(',')[0]},{float(row.split(',')[4]) + 1e-3 * math.sin(k)}" for k, row in enumerate(fall[1:]))]))
+        sentences = [line for line in run("fit", coin, table).stdout.splitlines() if "  " not in line.strip()]
+        self.assertTrue(any("residual series" in line for line in sentences))
+        self.assertLessEqual(max(map(len, sentences)), 110)
 
     def test_the_version_names_commit_format_build_and_licence(self):
         shown = run("--version").stdout
