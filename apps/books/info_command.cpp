@@ -208,8 +208,8 @@ std::string describe(const Codebook& book, const std::string& path) {
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   const double table_bytes = numbers.table * static_cast<double>(sizeof(double));
   text += fmt::format(
-      "size: {:.0f} bytes, {:.3g} of the {:.3g} of a table of all nodes; {:.0f} numbers for {:.3g}\n", bytes,
-      bytes / table_bytes, table_bytes, numbers.stored, numbers.table);
+      "size: {:.0f} bytes; a table of all nodes would take {:.3g}: {:.0f} numbers in place of {:.3g}\n",
+      bytes, table_bytes, numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
   text += fmt::format("build: {} ({}), {}: {}\n  {}\n", build.builder, build.strategy,
                       to_string(build.status), build.message, effort(book));

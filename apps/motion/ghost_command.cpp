@@ -138,6 +138,7 @@ int run_ghost(const GhostArguments& arguments) {
     steered = steered_model(arguments.coefficients, model, steered.values);
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
+  require_parameters(model->info(), steered.values);
   const models::ParametricModel parametric(steered.model, steered.values, {});
   parametric.check({});
   warn_of_parameters(*model, parametric.fixed());

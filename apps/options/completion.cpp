@@ -33,6 +33,11 @@ bool takes_names(const OptionWords& option) {
   return option.names.back() == "--set";
 }
 
+/// Options whose values may be names of models, besides files.
+bool takes_models(const OptionWords& option) {
+  return option.names.back() == "--model";
+}
+
 /// A text between single quotes, for any of the shells.
 std::string single_quoted(std::string text) {
   std::ranges::replace(text, '\'', '`');
@@ -43,7 +48,8 @@ std::string single_quoted(std::string text) {
 std::vector<std::string> names_taking_values(const CommandWords& command) {
   std::vector<std::string> names;
   for (const OptionWords& option : command.options) {
-    if (option.value.empty() || !option.choices.empty() || takes_names(option)) continue;
+    if (option.value.empty() || !option.choices.empty() || takes_names(option) || takes_models(option))
+      continue;
     names.insert(names.end(), option.names.begin(), option.names.end());
   }
   return names;
@@ -60,6 +66,8 @@ std::string value_branches(const std::vector<CommandWords>& tree) {
     }
     if (std::ranges::any_of(command.options, takes_names))
       text += fmt::format("    {}/--set) _samara_names; return ;;\n", command.name);
+    if (std::ranges::any_of(command.options, takes_models))
+      text += fmt::format("    {}/--model) _samara_files_or_models; return ;;\n", command.name);
     std::vector<std::string> patterns;
     for (const std::string& name : names_taking_values(command))
       patterns.push_back(fmt::format("{}/{}", command.name, name));
@@ -86,6 +94,7 @@ constexpr const char* kBash = R"SH(# Completion of samara for bash: source <(sam
 _samara_models="@models@"
 _samara_words() { COMPREPLY=($(compgen -W "$1" -- "$current")); }
 _samara_files() { mapfile -t COMPREPLY < <(compgen -f -- "$current"); compopt -o filenames 2>/dev/null; }
+_samara_files_or_models() { _samara_files; COMPREPLY+=($(compgen -W "$_samara_models" -- "$current")); }
 _samara_names() {
   local names="" word
   for word in "${COMP_WORDS[@]:2:COMP_CWORD-2}"; do  # the first that is a model, a plan or a codebook
@@ -97,7 +106,7 @@ _samara_names() {
 _samara() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]} options="" models=""
   COMPREPLY=()
-  if ((COMP_CWORD == 1)); then _samara_words "@commands@ --help --version"; return; fi
+  if ((COMP_CWORD == 1)); then _samara_words "@commands@ --help --version --model-library"; return; fi
   case "$command/$previous" in
 @values@  esac
   case "$command" in
@@ -116,6 +125,7 @@ constexpr const char* kZsh = R"SH(#compdef samara
 _samara_models="@models@"
 _samara_words() { compadd -- ${=1} }
 _samara_files() { _files }
+_samara_files_or_models() { _samara_words "$_samara_models"; _files }
 _samara_names() {
   local names="" word
   for word in ${words[3,CURRENT-1]}; do
@@ -125,7 +135,7 @@ _samara_names() {
 }
 _samara() {
   local current=${words[CURRENT]} previous=${words[CURRENT-1]} command=${words[2]} options="" models=""
-  if ((CURRENT == 2)); then _samara_words "@commands@ --help --version"; return; fi
+  if ((CURRENT == 2)); then _samara_words "@commands@ --help --version --model-library"; return; fi
   case "$command/$previous" in
 @values@  esac
   case "$command" in
@@ -168,6 +178,7 @@ std::string fish_script(const std::vector<CommandWords>& tree, const std::vector
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (!option.value.empty()) text += " -r";
       if (!option.choices.empty()) text += fmt::format(" -f -a '{}'", spaced(option.choices));
+      if (takes_models(option)) text += fmt::format(" -a '{}'", spaced(models));
       if (takes_names(option)) text += " -f -a '(__samara_names)'";
       text += fmt::format(" -d {}\n", single_quoted(option.text));
     }

@@ -192,6 +192,9 @@ class Options(Case):
         self.check_error(run("simulate", "vertical_fall", "--set", "C_D=1.2"), 2,
                          "--set density=.. kg/m^3, --set area=.. m^2, --set thickness=.. m; samara models vertical_fall")
 
+    def test_what_is_missing_for_a_ghost_is_said_in_the_same_words(self):
+        self.check_error(run("ghost", "vertical_fall", write("path.csv", "t[s],x[m]\n0,0\n")), 2, "--set density=.. kg/m^3", "samara models vertical_fall explains them")
+
     def test_inches_feet_pounds_and_degrees_are_understood(self):
         coin = book("coin", COIN_PLAN)
         ask = ["query", coin, "--set", "C_D=1", "--at", "0.1"]
@@ -243,6 +246,7 @@ class Completion(Case):
         self.assertEqual(self.complete("query", book("coin", COIN_PLAN), "--set", ""), ["C_D=", "v0="])
         self.assertEqual(self.complete("build", write("named.toml", COIN_PLAN), "--set", "thi"), ["thickness="])
         self.assertEqual(self.complete("build", "-o", "none.h5", FOLDER / "named.toml", "--set", "thi"), ["thickness="])
+        self.assertEqual(self.complete("compare", "free.toml", "--model", "vertical"), ["vertical_fall"])
         write("beside.csv", "")
         self.assertIn("beside.csv", self.complete("fit", "besi"))
         write("with a blank.h5", "")
