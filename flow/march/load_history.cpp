@@ -24,6 +24,32 @@ double drag_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, st
   return sum / length;
 }
 
+/// Deviation of the lift over some periods.
+double swing_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, std::size_t count) {
+  double sum = 0.0, squared = 0.0, length = 0.0;
+  for (std::size_t i = end - count; i < end; ++i) {
+    sum += periods[i].length * periods[i].lift;
+    squared += periods[i].length * periods[i].lift_squared;
+    length += periods[i].length;
+  }
+  return std::sqrt(std::max(0.0, squared / length - std::pow(sum / length, 2)));
+}
+
+/// Of the halves of what was averaged: the second less the first.
+struct Halves {
+  double drag = 0.0;
+  bool same_swing = true;
+};
+
+Halves halves_of(const std::vector<PeriodMeans>& periods) {
+  constexpr double kSwing = 0.1, kLeastSwing = 0.02;  // below which shedding says nothing of the drag
+  const std::size_t count = periods.size(), half = count / 2;
+  const double drag = drag_of_last(periods, count, half) - drag_of_last(periods, count - half, count - half);
+  const double before = swing_of_last(periods, count - half, count - half),
+               after = swing_of_last(periods, count, half), larger = std::max(before, after);
+  return {drag, larger < kLeastSwing || std::abs(after - before) < kSwing * larger};
+}
+
 }  // namespace
 
 std::optional<PeriodMeans> PeriodCounter::add(const LoadRecord& record) {
@@ -86,12 +112,20 @@ bool is_settled(const std::vector<PeriodMeans>& periods) {
 
 bool is_known(const std::vector<PeriodMeans>& periods, double share) {
   constexpr std::size_t kLeastPeriods = 5;
-  const std::size_t count = periods.size(), half = count / 2;
-  if (count < kLeastPeriods) return false;
+  if (periods.size() < kLeastPeriods) return false;
   const MeanWithError drag = mean_drag(periods);
   const double largest = share * std::abs(drag.value);
-  const double drift = drag_of_last(periods, count, half) - drag_of_last(periods, count - half, count - half);
-  return drag.half_width < largest && std::abs(drift) < largest;
+  const Halves halves = halves_of(periods);
+  return drag.half_width < largest && std::abs(halves.drag) < largest && halves.same_swing;
+}
+
+bool holds_transient(const std::vector<PeriodMeans>& periods, double share) {
+  constexpr std::size_t kLeastPeriods = 10;
+  if (periods.size() < kLeastPeriods) return false;
+  const MeanWithError drag = mean_drag(periods);
+  const Halves halves = halves_of(periods);
+  return !halves.same_swing ||
+         std::abs(halves.drag) > std::max(share * std::abs(drag.value), 2.0 * drag.half_width);
 }
 
 std::vector<PeriodMeans> last_periods(const std::vector<LoadRecord>& history, double period) {

@@ -50,8 +50,13 @@ class PeriodCounter {
 /// Whether the mean drag over the last five periods is within 2 % of that over the five before them.
 bool is_settled(const std::vector<PeriodMeans>& periods);
 /// Whether the mean drag is known to a share of itself: at least five periods, half the 95 % interval below it, and the
-/// means of the first and the second half no further apart, so that no slow drift passes for a mean.
+/// means of the first and the second half no further apart, so that no slow drift passes for a mean; nor is the deviation of
+/// the lift, which shows shedding that grows long before the drag does, by more than a tenth.
 bool is_known(const std::vector<PeriodMeans>& periods, double share);
+/// Whether what was averaged holds the end of a transient, which would stay in the mean for long: at least ten periods, of
+/// whose halves the drags are further apart than that share and twice the half width, or the deviations of the lift by more
+/// than a tenth.
+bool holds_transient(const std::vector<PeriodMeans>& periods, double share);
 
 /// Means of the last whole periods of a given length that fit into the second half of a history, or of one that does not fit;
 /// with the length 0, of that half as one.

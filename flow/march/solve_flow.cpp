@@ -78,7 +78,14 @@ void take_step(FlowRun& run) {
   if (run.averaging) run.average.add(run.march, report.step);
   if (const std::optional<PeriodMeans> period = run.counter.add(record)) {
     (run.averaging ? run.averaged : run.discarded).push_back(*period);
-    if (!run.averaging) run.averaging = is_settled(run.discarded);
+    if (!run.averaging) {
+      run.averaging = is_settled(run.discarded);
+    } else if (holds_transient(run.averaged, kDragKnown)) {
+      // What grows slowly passes for settled: the mean begins anew.
+      run.discarded.insert(run.discarded.end(), run.averaged.begin(), run.averaged.end());
+      run.averaged.clear();
+      run.average = FieldAverage(run.march.grid(), run.march.turbulence() != nullptr);
+    }
   }
 }
 
