@@ -284,6 +284,32 @@ relative = 0.05
         self.check_error(run("picture", single, "--set", angle, "-o", FOLDER / "no.png"), 2, "--set", "is one flow")
         self.check_error(run("picture", path, "--set", "angle_of_attack=2", "-o", FOLDER / "no.png"), 5, "angle_of_attack")
 
+    def test_a_book_of_turbulent_fields_over_angle_and_reynolds_number_is_flown_in(self):
+        plan = write("turbulent.toml", '''[flow]
+shape = { kind = "ellipse", length = 1, thickness = 0.5 }
+reynolds = 2e4
+cells_per_length = 4
+extent = { before = 2, behind = 3, side = 2.5 }
+max_time = 600
+[box]
+angle_of_attack = ["60 deg", "90 deg"]
+log10_reynolds = [4, 5]
+[book]
+kind = "fields"
+certificate_points = 2
+max_calls = 40
+[tolerance]
+relative = 0.15
+''')
+        path = FOLDER / "turbulent.h5"
+        result = run("flow", plan, "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("certificate: met", result.stdout)
+        self.assertIn("log10_epsilon", result.stdout)
+        flown = run("simulate", "sphere_flight_in_gusts", "--flow", path, "--flow-set", "angle_of_attack=75 deg", "--flow-set",
+                    "log10_reynolds=4.5", "--speed", 2, "--length", "0.5 m", "--set=x(0)=0.6", "--until", 0.1, "--realisations", 4)
+        self.assertEqual(flown.returncode, 0, flown.stderr)
+
     def test_what_cannot_be_a_flow_is_refused_in_a_sentence(self):
         out = FOLDER / "never.h5"
         for change, code, parts in [
