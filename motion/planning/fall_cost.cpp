@@ -11,6 +11,12 @@ namespace {
 
 /// Constant of the Langevin equation, C_0.
 constexpr double kKolmogorov = 2.1;
+/// Constant of changes, before the mean over coefficients.
+constexpr double kChangeCost = 0.06;
+
+double square(double x) {
+  return x * x;
+}
 
 /// The mean price of segments, so that falls with fewer of them are no cheaper; what a fall that is over has not reached
 /// was not as asked.
@@ -28,29 +34,46 @@ double price_of_kinds(const PlannedFall& fall, const FallPoint& point) {
 
 }  // namespace
 
+double height_fallen(const PlannedFall& fall, double height) {
+  const double a = fall.semi_length();
+  return std::max(a, fall.release_height() - height) / a;
+}
+
+double deviation_weight(const PlannedFall& fall, double duration, double t) {
+  return std::sqrt(duration / std::max(1e-300, t)) / fall.semi_length();
+}
+
+double change_weight(const PlannedFall& fall, std::size_t coefficient) {
+  const SteeredCoefficient& range = fall.plan().box[coefficient];
+  return std::sqrt(kChangeCost / static_cast<double>(fall.names().size())) / (range.upper - range.lower);
+}
+
+double turbulence_weight(const PlannedFall& fall, double duration, double fallen) {
+  return std::sqrt(fall.turbulence_factor() * duration * std::abs(fallen) / fall.semi_length());
+}
+
+double landing_weight(const PlannedFall& fall) {
+  return 1.0 / fall.semi_length();
+}
+
 FallCost cost_of(const PlannedFall& fall, const FallPoint& point) {
   const MotionPlan& plan = fall.plan();
-  const double a = fall.semi_length();
-  const double fallen = std::max(a, fall.release_height() - point.height) / a;
+  const double fallen = height_fallen(fall, point.height);
   FallCost cost;
-  cost.path = point.square_time / std::max(1e-300, point.t) / (a * a);
+  cost.path = point.square_time * square(deviation_weight(fall, 1.0, point.t));
   cost.changes = point.changes / fallen;
   cost.turbulence = point.turbulence / fallen;
   cost.kinds = price_of_kinds(fall, point);
   if (!plan.landing || point.height > plan.ground) return cost;
   const Eigen::Vector3d off = fall.states().position(point.state) - *plan.landing;
-  cost.landing = off.head<2>().squaredNorm() / (a * a);
+  cost.landing = off.head<2>().squaredNorm() * square(landing_weight(fall));
   return cost;
 }
 
 void add_change(const PlannedFall& fall, FallPoint& point, const std::vector<double>& from,
                 const std::vector<double>& to) {
-  double sum = 0.0;
-  for (std::size_t j = 0; j < from.size(); ++j) {
-    const SteeredCoefficient& range = fall.plan().box[j];
-    sum += std::pow((to[j] - from[j]) / (range.upper - range.lower), 2);
-  }
-  point.changes += kChangeCost * sum / static_cast<double>(from.size());
+  for (std::size_t j = 0; j < from.size(); ++j)
+    point.changes += square(change_weight(fall, j) * (to[j] - from[j]));
 }
 
 double turbulence_factor(const MotionPlan& plan) {
@@ -64,8 +87,7 @@ double turbulence_factor(const MotionPlan& plan) {
 }
 
 void add_piece(const PlannedFall& fall, FallPoint& point, double duration, double fallen) {
-  point.turbulence +=
-      point.acceleration_square * duration * fall.turbulence_factor() * std::abs(fallen) / fall.semi_length();
+  point.turbulence += point.acceleration_square * square(turbulence_weight(fall, duration, fallen));
 }
 
 void add_event(const PlannedFall& fall, FallPoint& point, std::optional<EventKind> kind) {

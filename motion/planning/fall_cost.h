@@ -2,7 +2,9 @@
 
 #include "samara/motion/planning/fall_lanes.h"
 
-/// What a fall costs, for the search and for what refines it: both ask these functions and no others.
+/// What a fall costs, for the search and for what refines it: both ask these functions and no others. Windows need J as a
+/// sum of squares: its quantities are deviations, changes, accelerations and places, and each has a weight here by which
+/// it is multiplied before it is squared; sums over a fall take the same weights.
 ///
 ///     J = 1/(t a^2) int |deviation|^2 dt                                       path
 ///       + 1/H [0.06 sum over decisions of mean_j (dc_j/range_j)^2              changes
@@ -17,8 +19,18 @@ namespace samara::motion {
 /// Of a fall that has come as far as this point.
 FallCost cost_of(const PlannedFall& fall, const FallPoint& point);
 
-/// Constant of changes, before the mean over coefficients.
-inline constexpr double kChangeCost = 0.06;
+/// H of a fall that is at this height; 1 at least.
+double height_fallen(const PlannedFall& fall, double height);
+/// Of a deviation [m] that lasts `duration` of the time t.
+double deviation_weight(const PlannedFall& fall, double duration, double t);
+/// Of a change of a coefficient; the square goes over H.
+double change_weight(const PlannedFall& fall, std::size_t coefficient);
+/// Of a difference of accelerations [m/s^2] that lasts `duration` of a piece that falls by `fallen` [m]; the square goes
+/// over H.
+double turbulence_weight(const PlannedFall& fall, double duration, double fallen);
+/// Of a distance from the landing place [m].
+double landing_weight(const PlannedFall& fall);
+
 /// A decision: the coefficients set out for other values.
 void add_change(const PlannedFall& fall, FallPoint& point, const std::vector<double>& from,
                 const std::vector<double>& to);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "samara/base/require.h"
 #include "samara/motion/ghost/bounded_quadratic.h"
 #include "samara/motion/planning/fall_cost.h"
 
@@ -84,6 +85,12 @@ class Windows {
     return false;
   }
 
+  /// Of a window over all knots, at most kAhead, where they are.
+  double cost(const ReplayedFall& now) {
+    now_ = &now;
+    return look(0, now.at_knots.front(), now.end.t, false).cost;
+  }
+
  private:
   static Eigen::Index lane_count(const PlannedFall& fall) {
     const models::Stepper one(fall.model(), fall.names(), 1, {.tangents = true});
@@ -116,7 +123,14 @@ class Windows {
       lanes.set_parameters(lane, from.coefficients);
     }
     const std::size_t last = std::min(knots_.size(), first + kAhead);
-    const long every = samples_every(end - from.t, last - first);
+    const long all = steps_between(fall_, from.t, end), every = samples_every(end - from.t, last - first);
+    // By the trapezoidal rule, as the cost of a fall is added up.
+    const auto sample = [&](std::size_t k, long step) {
+      const long since = step == 0 ? 0 : (step - 1) % every + 1,
+                 next = std::min(every - step % every, all - step);
+      record(k, 0.5 * h * static_cast<double>(since + next));
+    };
+    sample(first, 0);
     long step = 0;
     double t = from.t;
     for (std::size_t k = first; k < last; ++k) {
@@ -133,9 +147,9 @@ class Windows {
         lanes.step(h, now);
         left -= now;
         step += now;
-        if (step % every != 0) continue;
+        if (step % every != 0 && step != all) continue;
         if (!lanes.finite(0)) return false;
-        record(k, h * static_cast<double>(every));
+        sample(k, step);
       }
       t = until;
     }
@@ -157,22 +171,18 @@ class Windows {
     return first + kAhead < knots_.size() ? std::min(knots_[first + kAhead].t, now_->end.t) : now_->end.t;
   }
 
-  /// Height fallen of the whole, in semi-lengths: what changes and turbulence are over.
-  double fallen() const {
-    const double a = fall_.semi_length();
-    return std::max(a, fall_.release_height() - now_->end.height) / a;
-  }
+  /// Of the whole: what changes and turbulence are over.
+  double fallen() const { return height_fallen(fall_, now_->end.height); }
 
   /// Changes of coefficients within the window and to the knot behind it.
   void add_changes(std::size_t first, const FallPoint& from, Look& look) const {
     const auto knots = static_cast<Eigen::Index>(std::min(kWindow, knots_.size() - first));
-    const double share = kChangeCost / static_cast<double>(count_) / fallen();
+    const double whole = std::sqrt(fallen());
     for (Eigen::Index k = 0; k <= knots; ++k) {
       const std::size_t knot = first + static_cast<std::size_t>(k);
       if (knot >= knots_.size()) break;
       for (std::size_t j = 0; j < count_; ++j) {
-        const SteeredCoefficient& range = fall_.plan().box[j];
-        const double weight = std::sqrt(share) / (range.upper - range.lower);
+        const double weight = change_weight(fall_, j) / whole;
         const double before = k == 0 ? from.heading_for[j] : knots_[knot - 1].values[j];
         const double change = weight * (knots_[knot].values[j] - before);
         look.cost += change * change;
@@ -207,17 +217,18 @@ class Windows {
     return moved;
   }
 
-  static void add_residual(const Eigen::VectorXd& residual, const Eigen::MatrixXd& J, double share,
+  /// @param weight of both, see fall_cost.h
+  static void add_residual(const Eigen::VectorXd& residual, const Eigen::MatrixXd& J, double weight,
                            Look& look) {
-    look.cost += share * residual.squaredNorm();
+    const double square = weight * weight;
+    look.cost += square * residual.squaredNorm();
     if (look.g.size() == 0) return;
-    look.H += share * J.transpose() * J;
-    look.g += share * J.transpose() * residual;
+    look.H += square * J.transpose() * J;
+    look.g += square * J.transpose() * residual;
   }
 
-  void add_path(const models::Stepper& lanes, double weight, Look& look) {
+  void add_path(const models::Stepper& lanes, double duration, Look& look) {
     if (!fall_.plan().sketch) return;
-    const double a = fall_.semi_length();
     const Eigen::Vector3d place = fall_.states().position(state_);
     Eigen::Matrix3Xd J(3, look.g.size());
     if (look.g.size() > 0) {
@@ -225,16 +236,16 @@ class Windows {
       const Eigen::RowVectorXd falls = J.row(2);
       J -= fall_.plan().sketch->slope(place) * falls;
     }
-    add_residual(fall_.deviation(lanes.time(0), place), J, weight / now_->end.t / (a * a), look);
+    add_residual(fall_.deviation(lanes.time(0), place), J, deviation_weight(fall_, duration, now_->end.t),
+                 look);
   }
 
   /// The pieces of the turbulence are those between knots, with the heights that they had.
-  void add_turbulence(const models::Stepper& lanes, std::size_t first, std::size_t knot, double weight,
+  void add_turbulence(const models::Stepper& lanes, std::size_t first, std::size_t knot, double duration,
                       Look& look) {
     if (!(fall_.turbulence_factor() > 0.0) || knot >= now_->at_knots.size()) return;
     const FallPoint& from = now_->at_knots[knot];
     const FallPoint& to = knot + 1 < now_->at_knots.size() ? now_->at_knots[knot + 1] : now_->end;
-    const double height = std::abs(from.height - to.height) / fall_.semi_length();
     const std::vector<double>& values = knots_[knot].values;
     const double t = lanes.time(0);
     Eigen::VectorXd residual;
@@ -256,7 +267,8 @@ class Windows {
       }
       J.col(i) = (ahead - behind) / (2.0 * e);
     }
-    add_residual(residual, J, weight * fall_.turbulence_factor() * height / fallen(), look);
+    const double weight = turbulence_weight(fall_, duration, from.height - to.height);
+    add_residual(residual, J, weight / std::sqrt(fallen()), look);
   }
 
   /// Where it comes down: along the way that it has at the end of the window, which is that of the fall.
@@ -271,7 +283,6 @@ class Windows {
     const Eigen::Vector3d place = fall_.states().position(state_), velocity = fall_.states().position(rate);
     if (!(velocity.z() < 0.0)) return;
     const Eigen::Vector2d along = velocity.head<2>() / velocity.z();
-    const double a = fall_.semi_length();
     const Eigen::Vector2d off =
         place.head<2>() + along * (fall_.plan().ground - place.z()) - landing->head<2>();
     Eigen::Matrix2Xd J(2, look.g.size());
@@ -279,7 +290,7 @@ class Windows {
       const Eigen::Matrix3Xd moved = moved_places(lanes, look.g.size());
       J = moved.topRows<2>() - along * moved.row(2);
     }
-    add_residual(off, J, 1.0 / (a * a), look);
+    add_residual(off, J, landing_weight(fall_), look);
   }
 
   Look look(std::size_t first, const FallPoint& from, double end, bool derivatives) {
@@ -291,10 +302,10 @@ class Windows {
     }
     models::Stepper& lanes = derivatives ? lanes_ : values_;
     state_.resize(from.state.size());
-    const bool finite = run(lanes, first, from, end, derivatives, [&](std::size_t knot, double weight) {
+    const bool finite = run(lanes, first, from, end, derivatives, [&](std::size_t knot, double duration) {
       lanes.read(0, state_);
-      add_path(lanes, weight, look);
-      add_turbulence(lanes, first, knot, weight, look);
+      add_path(lanes, duration, look);
+      add_turbulence(lanes, first, knot, duration, look);
     });
     if (!finite) return {};
     if (end == now_->end.t) add_landing(lanes, look);
@@ -326,6 +337,12 @@ RefiningState RefiningState::from(const PlannedFall& fall, const FallPoint& star
   // What turbulence costs goes by pieces: they stay those of the search.
   state.knots = fall.turbulence_factor() > 0.0 ? found.knots : with_thirds(fall, found.knots, found.end.t);
   return state;
+}
+
+double window_cost(const PlannedFall& fall, const FallPoint& start, std::vector<CourseKnot> knots) {
+  require(!knots.empty() && knots.size() <= kAhead, "knots of a window", knots.size(), "1 to 10");
+  const ReplayedFall now = replay(fall, start, knots);
+  return Windows(fall, knots).cost(now);
 }
 
 bool refine_in_windows(const PlannedFall& fall, const FallPoint& start, RefiningState& state,

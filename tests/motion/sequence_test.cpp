@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/base/streams.h"
 #include "samara/io/toml_document.h"
 #include "samara/models/laws/registry.h"
 #include "samara/motion/planning/fall_cost.h"
@@ -325,6 +326,37 @@ TEST_CASE("search and windows ask one cost, and refining never loses the landing
     CHECK(refined.cost == refining.best.cost);
     CHECK(refined.cost < alone.cost);
     CHECK(cost_of(fall, refined.end).landing <= alone.cost);
+  }
+}
+
+TEST_CASE("the squares that a window sums up are the cost of the fall, at any coefficients") {
+  MotionPlan plan = sequence_plan(15.0);
+  samara::Stream stream(25, 0);
+  for (int n = 0; n < 6; ++n) {
+    plan.turbulence = n % 2 == 0 ? 0.0 : 0.5;
+    plan.sketch = n % 3 == 0 ? std::optional<Sketch>() : slanted_sketch(15.0);
+    plan.landing = n % 3 != 1 ? std::optional<Eigen::Vector3d>() : Eigen::Vector3d(10.0, 0.0, 0.0);
+    const PlannedFall fall(plan);
+    std::vector<CourseKnot> knots;
+    for (int k = 0; k < 6; ++k) {
+      CourseKnot knot;
+      knot.t = 3.0 * k;
+      knot.ramp = plan.search.ramp;
+      for (const SteeredCoefficient& range : plan.box)
+        knot.values.push_back(range.lower + (range.upper - range.lower) * stream.uniform());
+      knots.push_back(knot);
+    }
+    const ReplayedFall replayed = replay(fall, fall.release(), knots);
+    const FallCost cost = cost_of(fall, replayed.end);
+    // Samples every 0.15 a/U or so of a fall of 15 a/U: 1e-3 of the path; accelerations are looked at every 0.32 a/U, a
+    // tenth of a piece; the place of landing is that of a step, not of the ground.
+    const double expected = cost.total() - cost.kinds;
+    const double error = 1e-9 + 2e-3 * cost.path + 0.1 * cost.turbulence + 0.1 * std::sqrt(cost.landing);
+    INFO(n << ": " << cost.path << " " << cost.changes << " " << cost.turbulence << " " << cost.landing);
+    CHECK(std::abs(window_cost(fall, fall.release(), knots) - expected) < error);
+    CHECK((cost.path > 0.1) == (n % 3 != 0));
+    CHECK(cost.changes > 1e-3);
+    CHECK((cost.turbulence > 0.01) == (plan.turbulence > 0.0));
   }
 }
 
