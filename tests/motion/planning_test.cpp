@@ -370,6 +370,18 @@ TEST_CASE(
   CHECK_THROWS_WITH(plan_motion(plan), Catch::Contains("a step of 1e-09 makes"));
 }
 
+TEST_CASE("a search whose falls all leave the numbers is lost, and says so") {
+  // Damping of the rate that no step can follow: within the first one it overflows.
+  MotionPlan plan = slanted_plan();
+  plan.fixed["mu2"] = 1e300;
+  const MotionResult motion = plan_motion(plan);
+  CHECK(motion.status == MotionStatus::lost);
+  CHECK(to_string(motion.status) == "lost");
+  CHECK_FALSE(motion.is_usable());
+  CHECK(motion.times.size() == 0);
+  CHECK_THAT(motion.message, Catch::Contains("no fall came to the ground") && Catch::Contains("not finite"));
+}
+
 TEST_CASE("a long fall is one solution, though who replays its course comes to another place") {
   // Plates of I* 2 are chaotic: an error grows by a factor of e within some lengths.
   MotionPlan plan = slanted_plan();
