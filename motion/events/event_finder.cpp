@@ -132,7 +132,7 @@ void EventFinder::push(double t, std::span<const double> state) {
     if (seen_ > 0) now.swept = mark(0).swept - Eigen::Vector3d(0.0, angle - angle_, 0.0);
     angle_ = angle;
   } else {
-    const Eigen::Vector3d normal = states_.at(state).normal;
+    const Eigen::Vector3d normal = states_.normal(state);
     if (seen_ > 0) now.swept = mark(0).swept + arc(normal_, normal);
     normal_ = normal;
   }

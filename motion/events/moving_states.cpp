@@ -32,6 +32,11 @@ Eigen::Vector3d turned_to_world(const UnitQuaternion& q, const Eigen::Vector3d& 
           v[2] + 2.0 * (q.x * cy - q.y * cx)};
 }
 
+/// The same of the z axis.
+Eigen::Vector3d turned_z(const UnitQuaternion& q) {
+  return {2.0 * (q.x * q.z + q.w * q.y), 2.0 * (q.y * q.z - q.w * q.x), 1.0 - 2.0 * (q.x * q.x + q.y * q.y)};
+}
+
 /// Value of a parameter, or 0 where the model has none of that name.
 double parameter_or_zero(const models::ModelInfo& info, std::span<const double> parameters,
                          const std::string& name) {
@@ -106,6 +111,12 @@ double MovingStates::speed_square(std::span<const double> state) const {
   return sum;
 }
 
+Eigen::Vector3d MovingStates::normal(std::span<const double> state) const {
+  if (is_of_record_) return Eigen::Map<const Eigen::Vector3d>(state.data() + 6);
+  if (is_planar()) return {-std::sin(angle(state)), 0.0, std::cos(angle(state))};
+  return turned_z(unit_quaternion(state, layout_.attitude));
+}
+
 BodyMotion MovingStates::at(std::span<const double> state) const {
   BodyMotion motion;
   if (is_of_record_) {
@@ -125,7 +136,7 @@ BodyMotion MovingStates::at(std::span<const double> state) const {
   }
   const UnitQuaternion q = unit_quaternion(state, layout_.attitude);
   motion.velocity = turned_to_world(q, {state[v[0]], state[v[1]], state[v[2]]});
-  motion.normal = turned_to_world(q, Eigen::Vector3d::UnitZ());
+  motion.normal = turned_z(q);
   return motion;
 }
 

@@ -51,6 +51,7 @@ class MovingStates {
   /// Parts of that, for less.
   Eigen::Vector3d place(std::span<const double> state) const;
   double speed_square(std::span<const double> state) const;
+  Eigen::Vector3d normal(std::span<const double> state) const;
   /// Whether the attitude is an angle in a plane, and that: theta, which may have gone round many times.
   bool has_angle() const { return is_planar() && !is_of_record_; }
   double angle(std::span<const double> state) const { return state[layout_.attitude[0]]; }
