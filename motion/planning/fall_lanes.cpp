@@ -14,6 +14,8 @@ namespace {
 constexpr Eigen::Index kLanes = 32;
 /// Semi-lengths over the velocity scale from decision to decision, at most.
 constexpr double kLongestPiece = 8.0;
+/// The same between looks, at most, where steps are shorter.
+constexpr double kLook = 0.02;
 
 std::vector<std::string> names_of(const MotionPlan& plan) {
   std::vector<std::string> names;
@@ -100,6 +102,8 @@ PlannedFall::PlannedFall(const MotionPlan& plan)
       semi_length_(plan.semi_length()),
       longest_piece_(kLongestPiece * semi_length_ / plan.scales().velocity),
       turbulence_factor_(motion::turbulence_factor(plan)),
+      steps_to_look_(std::max(1, static_cast<int>(kLook * semi_length_ / plan.scales().velocity /
+                                                  plan.search.step * (1.0 + 1e-9)))),
       finder_(finder_of(plan)) {
   release_height_ = release().height;
   if (plan.database) choices_.emplace(plan);
@@ -170,9 +174,9 @@ struct FallLanes::Rider {
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
   EventFinder finder;
   Eigen::Index near = 0;  ///< point of the sketch that comes next
-  int steps = 0, looks = 0;
-  double roaming = 0.0;     ///< sum over the looks
-  FallPoint here, slowest;  ///< the last step that was slower than the one before, and the slowest of them
+  int steps = 0, roamings = 0;
+  double roaming = 0.0;     ///< sum over these
+  FallPoint here, slowest;  ///< the last look that was slower than the one before, and the slowest of them
   FallPiece piece;          ///< once it has ended
 };
 
@@ -195,21 +199,21 @@ void FallLanes::board(Rider& rider, Eigen::Index lane, const Continuation& conti
   rider.rides = true;
   rider.continuation = &continuation;
   rider.square_time = from.square_time;
-  rider.steps = rider.looks = 0;
+  rider.steps = rider.roamings = 0;
   rider.roaming = 0.0;
   rider.deviation = from.deviation;
   rider.finder.restart();
   rider.finder.see(from.t, from.state);
 }
 
-/// Into what is there already, and no more than must be remembered now: this happens at most steps.
+/// Into what is there already, and no more than must be remembered now: this happens at most looks.
 void FallLanes::put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const {
   point.t = stepper_.time(lane);
   point.state = state_;
   point.height = fall_.states().position(state_).z();
   point.square_time = rider.square_time;
   point.deviation = rider.deviation;
-  point.acceleration_square = rider.looks > 0 ? rider.roaming / rider.looks : 0.0;
+  point.acceleration_square = rider.roamings > 0 ? rider.roaming / rider.roamings : 0.0;
 }
 
 /// What they were at the time of the point, on the ramp of the piece.
@@ -228,12 +232,14 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
   const Eigen::Vector3d place = fall_.states().position(state_);
   const Eigen::Vector3d before = rider.deviation;
   rider.deviation = fall_.deviation(t, place, rider.near);
+  const int steps = fall_.steps_to_look();
   rider.square_time +=
-      0.5 * fall_.plan().search.step * (before.squaredNorm() + rider.deviation.squaredNorm());
-  if (fall_.plan().turbulence > 0.0 && rider.steps++ % kBetweenLooks == 0) {
+      0.5 * steps * fall_.plan().search.step * (before.squaredNorm() + rider.deviation.squaredNorm());
+  rider.steps += steps;
+  if (fall_.plan().turbulence > 0.0 && rider.steps > rider.roamings * kBetweenLooks) {
     roaming_.at(t, state_, rider.continuation->target, difference_);
     rider.roaming += difference_.squaredNorm();
-    ++rider.looks;
+    ++rider.roamings;
   }
   if (!std::ranges::all_of(state_, [](double x) { return std::isfinite(x); }))
     return end_piece(rider, lane, FallEnd::not_finite);
@@ -277,7 +283,7 @@ void FallLanes::run(std::span<const Continuation> continuations, std::span<FallP
     ++riding;
   }
   while (riding > 0 && progress.goes_on()) {
-    stepper_.step(fall_.plan().search.step);
+    stepper_.step(fall_.plan().search.step, fall_.steps_to_look());
     for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
       Rider& rider = riders[static_cast<std::size_t>(lane)];
       if (!rider.rides || !look(rider, lane)) continue;

@@ -41,7 +41,7 @@ enum class FallEnd {
 };
 
 struct FallPiece {
-  FallPoint to;  ///< at an event, the step beside it
+  FallPoint to;  ///< at an event, the look beside it
   FallEnd end = FallEnd::not_finite;
   bool has_event = false;              ///< whether a segment has ended
   std::optional<EventKind> kind = {};  ///< of that segment; none: it is steady
@@ -61,6 +61,8 @@ class PlannedFall {
   double semi_length() const { return semi_length_; }
   /// What looks for the events of its motions, as those of databases are found: new, to be copied.
   const EventFinder& finder() const { return finder_; }
+  /// Steps after which the search looks at a fall again: few beside a swing, whose events are a matter of its cubics.
+  int steps_to_look() const { return steps_to_look_; }
   /// A decision is due after so long without an event.
   double longest_piece() const { return longest_piece_; }
   double release_height() const { return release_height_; }
@@ -90,6 +92,7 @@ class PlannedFall {
   models::ParametricModel model_;
   MotionStates states_;
   double semi_length_ = 1.0, longest_piece_ = 0.0, release_height_ = 0.0, turbulence_factor_ = 0.0;
+  int steps_to_look_ = 1;
   EventFinder finder_;
   std::optional<SegmentChoices> choices_;
 };
