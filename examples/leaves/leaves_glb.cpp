@@ -10,8 +10,8 @@
 #include <string>
 
 #include "samara/base/errors.h"
-#include "samara/io/atomic_file.h"
 #include "samara/io/animated_scene.h"
+#include "samara/io/atomic_file.h"
 #include "samara/models/bodies/pose_keys.h"
 #include "samara/motion/bodies/bodies.h"
 #include "samara/motion/bodies/steady_wind.h"
