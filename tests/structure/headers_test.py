@@ -1,5 +1,5 @@
-"""Fails if an installed header includes a third-party library other than Eigen, or if a source has no header of its own
-name."""
+"""Fails if an installed header includes a third-party library other than Eigen or a header of ours that is not installed,
+or if a source has no header of its own name."""
 
 import pathlib
 import re
@@ -10,13 +10,17 @@ root = pathlib.Path(sys.argv[1])
 ALL_OF_ONE_KIND = {"models/fields", "models/laws", "models/wakes", "pgd/nonlinear"}
 OF_THE_STANDARD_LIBRARIES = {"limits.h", "math.h", "stddef.h", "stdint.h", "stdio.h", "stdlib.h", "string.h", "experimental/simd"}
 wrong = []
-installed = 0
+installed = set()
+asked = []  # where an installed header includes one of ours, and which
 for room in ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion"]:
     listing = (root / room / "CMakeLists.txt").read_text()
     block = re.search(r"samara_room\(\w+\s.*?HEADERS(.*?)(EXCEPT|PUBLIC|PRIVATE|\))", listing, re.S)
     for name in re.findall(r"\S+\.h", block.group(1)):
-        installed += 1
+        installed.add(f"samara/{room}/{name}")
         for number, line in enumerate((root / room / name).read_text().splitlines(), 1):
+            match = re.match(r"\s*#include \"(samara/[^\"]+)\"", line)
+            if match:
+                asked.append((f"{room}/{name}:{number}", match.group(1)))
             match = re.match(r"\s*#include <([^>]+)>", line)
             # The standard library's headers have neither slash nor suffix, but for those of C.
             if match and match.group(1) not in OF_THE_STANDARD_LIBRARIES and not match.group(1).startswith("Eigen/") and re.search(r"[/.]", match.group(1)):
@@ -24,5 +28,6 @@ for room in ["base", "pgd", "models", "io", "codebooks", "flow", "identification
     for file in sorted((root / room).rglob("*.cpp")):
         if str(file.parent.relative_to(root)) not in ALL_OF_ONE_KIND and not file.with_suffix(".h").exists():
             wrong.append(f"{file.relative_to(root)} has no header of its own name")
-print("\n".join(wrong) or f"{installed} installed headers, third-party includes: Eigen only")
-sys.exit(1 if wrong or installed == 0 else 0)
+wrong += [f"{place}: {header} is not installed" for place, header in asked if header not in installed]
+print("\n".join(wrong) or f"{len(installed)} installed headers, third-party includes: Eigen only")
+sys.exit(1 if wrong or not installed else 0)
