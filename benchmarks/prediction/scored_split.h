@@ -42,8 +42,8 @@ inline SplitScores score_split(const std::string& name, const std::vector<AskedM
 }
 
 /// Metrics of a case, each from the split in which it is worst: median, rms and crps with the best plain baseline
-/// of that split, and the coverage that is farthest from what it should be. The mixture is ours. Beside it the largest
-/// of all splits: of the mixture of everything but the body, of the autoregression, and of the body alone.
+/// of that split, and the coverage that is farthest from what it should be. The mixture is ours. Beside it, of the same
+/// splits: the mixture of everything but the body, the autoregression, and the body alone.
 void report(const std::string& test_case, const std::vector<SplitScores>& splits);
 
 }  // namespace samara::benchmarks::prediction
