@@ -108,50 +108,60 @@ std::vector<long> increasing_places(const Eigen::VectorXd& times, const Grid& gr
   return places;
 }
 
-/// m, from each frame to the next; NaN where a place was not seen, empty where none was measured.
-std::vector<double> steps_of(const Capture& capture) {
-  std::vector<double> steps;
+/// m, from each frame (a row) to the next; NaN where a place was not seen, no columns where none was measured.
+Eigen::MatrixXd steps_of(const Capture& capture) {
+  Eigen::MatrixXd steps(capture.times.size() - 1, 0);
   for (const char* name : {"x", "y", "z"}) {
     if (!capture.has(name) || capture.channel(name).unit != "m") continue;
     const Eigen::VectorXd& place = capture.channel(name).values;
-    steps.resize(static_cast<std::size_t>(place.size() - 1));
-    for (std::size_t k = 0; k < steps.size(); ++k) {
-      const auto at = static_cast<Index>(k);
-      steps[k] = std::hypot(steps[k], place[at + 1] - place[at]);
-    }
+    steps.conservativeResize(Eigen::NoChange, steps.cols() + 1);
+    steps.rightCols(1) = place.tail(steps.rows()) - place.head(steps.rows());
   }
   return steps;
 }
 
-/// The length of a step that is known to be of one interval near another one; nothing where they differ by more than a
-/// quarter, so that a step of two is not told.
-std::optional<double> usual_step(const std::vector<double>& steps, const std::vector<long>& places,
-                                 std::size_t near) {
-  constexpr std::size_t kEachSide = 4, kFewest = 4;
-  constexpr double kAlike = 0.25;
-  std::vector<double> alike;
-  for (std::size_t k = near - std::min(near, kEachSide); k <= std::min(near + kEachSide, steps.size() - 1);
-       ++k) {
-    if (k != near && places[k + 1] == places[k] + 1 && std::isfinite(steps[k])) alike.push_back(steps[k]);
-  }
-  if (alike.size() < kFewest) return {};
-  const double middle = median(alike);
-  for (const double one : alike) {
-    if (!(std::abs(one - middle) < kAlike * middle)) return {};
-  }
-  return middle;
+/// How far vectors may be from a step, as a share of its length, to count as one of the same motion.
+constexpr double kAlike = 0.25;
+
+bool is_alike(const Eigen::RowVectorXd& one, const Eigen::RowVectorXd& step) {
+  return (one - step).norm() < kAlike * step.norm();
 }
 
-/// A frame that only the clock misses is none: where the body moved on evenly as by one interval, frames came late.
+/// Mean of the steps around one that are known to be of one interval; nothing where they are not alike on both sides: of
+/// a body that turns round or bounces there, a chord does not tell the way.
+std::optional<Eigen::RowVectorXd> usual_step(const Eigen::MatrixXd& steps, const std::vector<long>& places,
+                                             Index near) {
+  constexpr Index kEachSide = 4, kFewest = 2;
+  std::vector<Index> around;
+  Index before = 0;
+  for (Index k = std::max<Index>(near - kEachSide, 0); k <= std::min(near + kEachSide, steps.rows() - 1);
+       ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    if (k == near || places[at + 1] != places[at] + 1 || !steps.row(k).allFinite()) continue;
+    around.push_back(k);
+    before += k < near ? 1 : 0;
+  }
+  const Index after = std::ssize(around) - before;
+  // Nothing comes before the first frame of a recording, which is often late.
+  if (near == 0 ? after < 2 * kFewest : std::min(before, after) < kFewest) return {};
+  const Eigen::RowVectorXd mean = steps(around, Eigen::all).colwise().mean();
+  for (const Index k : around) {
+    if (!is_alike(steps.row(k), mean)) return {};
+  }
+  return mean;
+}
+
+/// A frame that only the clock misses is none: where the body moved on evenly as by one interval, later frames came late.
+/// Of longer gaps nothing is told, since a path may bend within them.
 std::vector<long> without_late_frames(const Capture& capture, std::vector<long> places) {
-  const std::vector<double> steps = steps_of(capture);
-  for (std::size_t k = 0; k < steps.size(); ++k) {
-    const long interval = places[k + 1] - places[k];
-    if (interval < 2 || !std::isfinite(steps[k])) continue;
-    const std::optional<double> usual = usual_step(steps, places, k);
-    if (!usual) continue;
-    const long late = interval - std::clamp(std::lround(steps[k] / *usual), 1L, interval);
-    for (std::size_t later = k + 1; later < places.size(); ++later) places[later] -= late;
+  const Eigen::MatrixXd steps = steps_of(capture);
+  if (steps.cols() == 0) return places;
+  for (Index k = 0; k < steps.rows(); ++k) {
+    const auto next = static_cast<std::size_t>(k + 1);
+    if (places[next] - places[next - 1] != 2) continue;
+    const std::optional<Eigen::RowVectorXd> usual = usual_step(steps, places, k);
+    if (!usual || !is_alike(steps.row(k), *usual)) continue;
+    for (std::size_t later = next; later < places.size(); ++later) --places[later];
   }
   return places;
 }

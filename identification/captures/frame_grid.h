@@ -17,9 +17,9 @@ struct FrameGrid {
 ///
 /// The period is the one for which exp(2 pi i t / period) adds up best over the frames, within 3 % of the
 /// median interval; each frame then takes the place that is nearest, such that places increase (isotonic
-/// regression), and the grid is fitted to them by least squares. A frame is missing where the body moved on as in two
-/// intervals: where it moves evenly (x, y, z in m), a place that the clock alone leaves free is closed, since later
-/// frames came late.
+/// regression), and the grid is fitted to them by least squares. A single
+/// place that the clock leaves free is closed where the body (x, y, z in m) moved on as in one interval, and evenly
+/// before and after: later frames came late. Longer gaps stay.
 /// @throws ArgumentError if the capture has fewer than 4 frames
 FrameGrid on_frame_grid(const Capture& capture);
 

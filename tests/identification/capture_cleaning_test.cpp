@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 
@@ -130,6 +131,43 @@ TEST_CASE("frames that came late are not missing, and those that are stay so") {
     CHECK(grid.dropped_frames == 1);
     const Eigen::VectorXd& on_grid = grid.capture.times;
     CHECK(on_grid[lost] - on_grid[lost - 1] == Approx(2.0 * grid.period));
+  }
+}
+
+namespace {
+
+/// Frames of a path, without some of them.
+int dropped_of(const std::function<Eigen::Vector2d(double)>& path, int count, int first_lost, int lost) {
+  constexpr double kPeriod = 0.01;
+  const Index kept = count - lost;
+  Eigen::VectorXd times(kept), x(kept), z(kept);
+  for (Index k = 0; k < kept; ++k) {
+    times[k] = kPeriod * static_cast<double>(k < first_lost ? k : k + lost);
+    const Eigen::Vector2d at = path(times[k]);
+    x[k] = at[0];
+    z[k] = at[1];
+  }
+  return on_frame_grid(capture_of(times, {{"x", "m", x}, {"z", "m", z}})).dropped_frames;
+}
+
+}  // namespace
+
+TEST_CASE("frames lost where a body turns, circles or bounces stay missing") {
+  const auto thrown = [](double t) { return Eigen::Vector2d(0.0, 5.0 * t - 4.905 * t * t); };
+  const auto circling = [](double t) { return Eigen::Vector2d(std::cos(10.0 * t), std::sin(10.0 * t)); };
+  const auto dropped = [](double t) { return Eigen::Vector2d(0.0, 4.0 * std::abs(t - 0.3)); };
+  const auto bouncing = [](double t) { return Eigen::Vector2d(2.0 * t, 4.0 * std::abs(t - 0.3)); };
+  for (int lost = 1; lost <= 20; ++lost) {
+    CAPTURE(lost);
+    CHECK(dropped_of(thrown, 100, 51 - lost / 2, lost) == lost);
+    CHECK(dropped_of(circling, 100, 40, lost) == lost);
+    // Wherever the bounce is between the frames that are left, the last or the first among them.
+    for (int ahead = 1; ahead < lost + 1; ++ahead) {
+      CHECK(dropped_of(dropped, 60, 31 - ahead, lost) == lost);
+      CHECK(dropped_of(bouncing, 60, 31 - ahead, lost) == lost);
+    }
+    const auto off_grid = [&](double t) { return dropped(t + 0.005); };
+    CHECK(dropped_of(off_grid, 60, 30 - lost / 2, lost) == lost);
   }
 }
 
