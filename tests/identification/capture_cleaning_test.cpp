@@ -152,6 +152,17 @@ int dropped_of(const std::function<Eigen::Vector2d(double)>& path, int count, in
 
 }  // namespace
 
+TEST_CASE("all frames after the first may be late") {
+  for (const Index late_from : {1, 2, 20}) {
+    Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(60, 0.0, 0.59);
+    const Eigen::VectorXd x = 3.0 * times;
+    times.tail(60 - late_from).array() += 0.01;
+    CAPTURE(late_from);
+    // After the second frame one step is too few to go by.
+    CHECK(on_frame_grid(capture_of(times, {{"x", "m", x}})).dropped_frames == (late_from == 2 ? 1 : 0));
+  }
+}
+
 TEST_CASE("frames lost where a body turns, circles or bounces stay missing") {
   const auto thrown = [](double t) { return Eigen::Vector2d(0.0, 5.0 * t - 4.905 * t * t); };
   const auto circling = [](double t) { return Eigen::Vector2d(std::cos(10.0 * t), std::sin(10.0 * t)); };
