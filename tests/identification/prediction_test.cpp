@@ -11,6 +11,7 @@
 #include "predicted_motions.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/prediction_scores.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
@@ -371,4 +372,35 @@ TEST_CASE("captures that lack what was fitted are refused before the fit") {
   left_out[0].channels[0].quantity = "z";
   CHECK_THROWS_AS(check_left_out(family, braked(0, 2, 0.0), left_out, plain(), {.span = 0.6, .ahead = 0.5}),
                   samara::ArgumentError);
+}
+
+TEST_CASE("the weight of a point is what buoyancy leaves of it, where both densities are held, else all") {
+  const auto of_coin = [](const std::map<std::string, double>& fixed,
+                          const std::map<std::string, samara::models::Interval>& box,
+                          const std::map<std::string, double>& held = {}) {
+    std::map<std::string, double> all = {{"area", 4.71435e-4}, {"thickness", 2.55e-3}};
+    all.insert(fixed.begin(), fixed.end());
+    FitOptions options;
+    options.unknowns.fixed = held;
+    return net_weight(
+        *samara::models::reference_trajectories(samara::models::find_model("vertical_fall"), all, box),
+        options);
+  };
+  const std::map<std::string, samara::models::Interval> drag = {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}};
+  std::map<std::string, samara::models::Interval> dense = drag;
+  dense["density"] = {2000.0, 8000.0};
+  const std::map<std::string, double> in_water = {
+      {"density", 4000.0}, {"fluid_density", 1000.0}, {"g", 10.0}};
+  CHECK(of_coin(in_water, drag) == Approx(7.5));
+  CHECK(of_coin({{"fluid_density", 1000.0}, {"g", 10.0}}, dense) == 10.0);
+  CHECK(of_coin({{"fluid_density", 1000.0}, {"g", 10.0}}, dense, {{"density", 2500.0}}) == Approx(6.0));
+
+  // By masses, where a point mass beside counts, too.
+  BrakedFamily blimp;
+  blimp.mutable_info().fixed = {{"mass", 0.8}, {"displaced_mass", 0.9}};
+  CHECK(net_weight(blimp, {}) == Approx(kStandardG * (1.0 - 0.9 / 0.8)));
+  blimp.mutable_info().fixed["offset_mass"] = 0.2;
+  CHECK(net_weight(blimp, {}) == Approx(0.1 * kStandardG));
+  blimp.mutable_info().fixed.erase("displaced_mass");
+  CHECK(net_weight(blimp, {}) == kStandardG);
 }
