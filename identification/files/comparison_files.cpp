@@ -131,7 +131,8 @@ ClusterOfCapture clusters_by_capture(const std::vector<Capture>& captures, const
 }
 
 /// From a fit of all captures.
-void add_evidence(Contender& one) {
+/// @returns what that fit warns of
+Warnings add_evidence(Contender& one) {
   FitOptions options = one.source.options;
   options.uncertainty.profiles = false;
   options.uncertainty.bootstrap = {};
@@ -140,7 +141,7 @@ void add_evidence(Contender& one) {
   const FitResult fitted = fit(*one.source.family, one.captures, options, objective);
   if (!objective) {
     one.model.no_evidence = fmt::format("the fit of all captures failed: {}", fitted.message);
-    return;
+    return fitted.warnings;
   }
   const Outcome<Evidence> evidence = objective->evidence();
   if (evidence) {
@@ -148,6 +149,7 @@ void add_evidence(Contender& one) {
   } else {
     one.model.no_evidence = evidence.ending().message;
   }
+  return fitted.warnings;
 }
 
 }  // namespace
@@ -174,8 +176,8 @@ ModelComparison compare_files(const ComparisonRequest& request) {
   }
   std::vector<ForecastsOfModel> forecasts;
   for (Contender& one : contenders) {
+    tell(one.model.name, of_file(one.config, [&] { return add_evidence(one); }));
     Warnings warnings;
-    of_file(one.config, [&] { add_evidence(one); });
     const Folds folds = folds_of(request, one);
     forecasts.push_back({one.model.name, of_file(one.config, [&] {
                            return cross_validated_errors(*one.source.family, one.captures, one.source.options,

@@ -247,7 +247,7 @@ std::vector<ComparedQuantity> compare_forecasts(std::span<const ForecastsOfModel
 
 std::optional<double> evidence_to_first(std::span<const ComparedModel> models, std::size_t model) {
   const std::optional<Evidence>&first = models.front().evidence, &own = models[model].evidence;
-  if (!first || !own || first->values != own->values) return {};
+  if (!first || !own || first->values != own->values || first->compared != own->compared) return {};
   return own->log - first->log;
 }
 

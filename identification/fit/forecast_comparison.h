@@ -87,8 +87,8 @@ struct ComparedModel {
   std::string no_evidence = {};  ///< why there is none, in one sentence
 };
 
-/// The logarithm of a model's evidence less that of the first; nothing where one has none, or they are not of as many
-/// values.
+/// The logarithm of a model's evidence less that of the first; nothing where one has none, or they are not of the
+/// same values: outputs, captures, and how many.
 std::optional<double> evidence_to_first(std::span<const ComparedModel> models, std::size_t model);
 
 struct ModelComparison {

@@ -148,6 +148,17 @@ Outcome<double> log_norm_of_priors(const FitProblem& problem) {
   return *shared + static_cast<double>(problem.motions.size()) * of_each;
 }
 
+/// Outputs and captures that are compared, by name.
+ComparedValues compared_values(const FitProblem& problem) {
+  ComparedValues compared;
+  for (const ComparedOutput& output : problem.outputs) compared.outputs.push_back(output.name);
+  if (problem.attitude_scale) compared.outputs.emplace_back("attitude");
+  std::ranges::sort(compared.outputs);
+  for (const Motion& motion : problem.motions) compared.captures.emplace_back(motion.file, motion.id);
+  std::ranges::sort(compared.captures);
+  return compared;
+}
+
 /// Sum of the logarithms of the loss scales of all values.
 double log_scales(const FitProblem& problem) {
   double sum = 0.0;
@@ -208,32 +219,47 @@ struct Mode {
   Eigen::VectorXd slope;  ///< of it
 };
 
-std::optional<Mode> find_mode(PosteriorDensity& density, const FitProblem& problem, const FitPoint& answer) {
-  constexpr int kMost = 50;
+/// Where a step of Newton promises to lower -log of the density by no more than this, is its minimum: that much the
+/// logarithm of the evidence may be off.
+constexpr double kLeft = 1e-3;
+
+Outcome<Mode> find_mode(PosteriorDensity& density, const FitProblem& problem, const FitPoint& answer) {
+  constexpr int kMost = 50, kHalvings = 20;
   constexpr double kStill = 1e-8;
   Mode mode{.point = answer, .slope = {}};
-  double before = std::numeric_limits<double>::infinity();
-  for (int turn = 0; turn < kMost; ++turn) {
+  double before = std::numeric_limits<double>::infinity(), gain = before;
+  for (int turn = 0; turn <= kMost; ++turn) {
     mode.value = density(mode.point, mode.slope);
-    if (!std::isfinite(mode.value)) return {};
+    if (!std::isfinite(mode.value)) return no_evidence("there is no trajectory at the answer");
     mode.log_factor = likely_noise(problem.loss, density.data_cost(mode.point));
     density.set_dispersion(std::exp(2.0 * mode.log_factor));
     mode.value = density(mode.point, mode.slope);
     const Eigen::LLT<Eigen::MatrixXd> llt(density.second_derivative(mode.point));
-    if (llt.info() != Eigen::Success) return mode;
+    if (llt.info() != Eigen::Success) return no_evidence("captures and priors do not determine all unknowns");
     Eigen::VectorXd step = -llt.solve(mode.slope);
-    const double gain = -0.5 * step.dot(mode.slope);
-    if (!(gain > kStill) && std::abs(before - mode.log_factor) < 1e-6) return mode;
+    gain = -0.5 * step.dot(mode.slope);
+    if (!(gain > kStill) && std::abs(before - mode.log_factor) < 1e-6) break;
+    if (turn == kMost) break;
     before = mode.log_factor;
     Eigen::VectorXd unused;
-    for (int halving = 0; halving < 20; ++halving, step *= 0.5) {
+    int halving = 0;
+    for (; halving < kHalvings; ++halving, step *= 0.5) {
       FitPoint next = moved(problem, density.layout(), mode.point, step);
-      if (density(next, unused) > mode.value) continue;
+      if (!(density(next, unused) <= mode.value)) continue;
       mode.point = std::move(next);
       break;
     }
+    if (halving == kHalvings) {
+      mode.value = density(mode.point, mode.slope);  // the density is asked of its last point below
+      break;
+    }
   }
-  mode.value = density(mode.point, mode.slope);
+  if (!(gain <= kLeft)) {
+    return no_evidence(
+        fmt::format("the minimum was not found: a step is still to lower it by {:.3g}; at most {} was "
+                    "expected",
+                    gain, kLeft));
+  }
   return mode;
 }
 
@@ -260,8 +286,8 @@ Outcome<Evidence> laplace_evidence(const models::TrajectoryFamily& family, const
   if (!log_prior_norm) return log_prior_norm.ending();
 
   PosteriorDensity density(family, problem, residuals, 1.0);
-  const std::optional<Mode> mode = find_mode(density, problem, answer);
-  if (!mode) return no_evidence("there is no trajectory at the answer");
+  const Outcome<Mode> mode = find_mode(density, problem, answer);
+  if (!mode) return mode.ending();
   if (std::abs(mode->log_factor) > 0.99 * kNoiseRange)
     return no_evidence("residuals are a thousand times smaller or larger than the loss scales");
   const PosteriorDensity::DataCost data = density.data_cost(mode->point);
@@ -299,6 +325,7 @@ Outcome<Evidence> laplace_evidence(const models::TrajectoryFamily& family, const
                          log_scales(problem) - *log_prior_norm - std::log(2.0 * kNoiseRange) +
                          0.5 * (unknowns + 1.0) * std::log(kTwoPi) - 0.5 * log_det,
                   .values = static_cast<int>(data.values),
+                  .compared = compared_values(problem),
                   .unknowns = static_cast<int>(H.rows()),
                   .noise_factor = std::exp(mode->log_factor)};
 }

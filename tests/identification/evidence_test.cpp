@@ -189,12 +189,107 @@ TEST_CASE("where a prior is none, or the answer lies at a wall, there is no evid
   options.priors.combinations = {{.weights = {{"k", 1.0}, {"v(0)", 1.0}}, .mean = 2.3, .deviation = 0.1}};
   CHECK_THAT(reason(), Catch::Contains("several unknowns together"));
 
-  // Of other values than the first nothing is said.
-  const std::vector<ComparedModel> models = {{.name = "a", .evidence = Evidence{.log = 3.0, .values = 40}},
-                                             {.name = "b", .evidence = Evidence{.log = 5.0, .values = 40}},
-                                             {.name = "c", .evidence = Evidence{.log = 5.0, .values = 39}},
-                                             {.name = "d", .no_evidence = "none"}};
+  // Of other values than the first nothing is said: other numbers of them, other outputs, other captures.
+  const auto of = [](double log, int values, const std::string& output, const std::string& capture) {
+    return Evidence{.log = log,
+                    .values = values,
+                    .compared = {.outputs = {output}, .captures = {{"drops.csv", capture}}}};
+  };
+  const std::vector<ComparedModel> models = {
+      {.name = "a", .evidence = of(3.0, 40, "x", "1")}, {.name = "b", .evidence = of(5.0, 40, "x", "1")},
+      {.name = "c", .evidence = of(5.0, 39, "x", "1")}, {.name = "d", .evidence = of(5.0, 40, "z", "1")},
+      {.name = "e", .evidence = of(5.0, 40, "x", "2")}, {.name = "f", .no_evidence = "none"}};
   CHECK(evidence_to_first(models, 1) == Approx(2.0));
-  CHECK_FALSE(evidence_to_first(models, 2));
-  CHECK_FALSE(evidence_to_first(models, 3));
+  for (std::size_t other = 2; other < models.size(); ++other) CHECK_FALSE(evidence_to_first(models, other));
+}
+
+TEST_CASE("with an unknown of its own for each capture the evidence is the product over them") {
+  // Of each capture its own place, integrated in closed form: given the noise captures are independent, so that their
+  // densities multiply. The noise, which they share, on a grid.
+  std::mt19937_64 random(9);
+  const std::vector<double> times = even_times(60, 1.0);
+  const double mean = 0.1, deviation = 0.05;
+  std::vector<Capture> captures;
+  for (const double place : {0.07, 0.16}) {
+    captures.push_back(
+        make_capture(place < 0.1 ? "low" : "high", times, Eigen::VectorXd::Constant(60, place)));
+    add_noise(captures.back(), 3e-3, random);
+  }
+  samara::models::FamilyInfo info;
+  info.model = "place";
+  info.coordinates = {{"x(0)", "m", true, -100.0, 100.0}};
+  info.outputs = {{"x", "m"}};
+  const ClosedFormFamily family(info, [](std::span<const double> q, double, Eigen::RowVectorXd& values,
+                                         Eigen::RowVectorXd* derivatives) {
+    values[0] = q[0];
+    if (derivatives) (*derivatives)[0] = 1.0;
+  });
+  FitOptions options = plain_options();
+  options.priors.coordinates["x(0)"] = {.mean = mean, .deviation = deviation};
+  const Outcome<Evidence> evidence = evidence_of(family, captures, options);
+  REQUIRE(evidence);
+  CHECK(evidence->unknowns == 2);
+  CHECK(evidence->values == 120);
+  CHECK(evidence->compared.outputs == std::vector<std::string>{"x"});
+  CHECK(evidence->compared.captures.size() == 2);
+
+  constexpr double kStep = 5e-3;
+  std::vector<double> logs;
+  for (double l = -kNoiseRange; l < kNoiseRange; l += kStep) {
+    const double noise = kLossScale * std::exp(l);
+    double sum = 0.0;
+    for (const Capture& capture : captures) {
+      // Of a mean of 60 values and what these scatter about it.
+      const Eigen::VectorXd& x = capture.channels[0].values;
+      const double middle = x.mean(), spread = deviation * deviation + noise * noise / 60.0;
+      sum += -0.5 * (x.array() - middle).square().sum() / (noise * noise) -
+             59.0 * std::log(noise * std::sqrt(2.0 * std::numbers::pi)) - 0.5 * std::log(60.0) -
+             0.5 * std::pow(middle - mean, 2) / spread - 0.5 * std::log(2.0 * std::numbers::pi * spread);
+    }
+    logs.push_back(sum);
+  }
+  const double exact = log_sum(logs, kStep) - std::log(2.0 * kNoiseRange);
+  // Missed as above: (d + 1)^2/(4 N).
+  CHECK(evidence->log == Approx(exact).margin(1.3 * 9.0 / (4.0 * 120.0)));
+}
+
+namespace {
+
+/// x = a with derivatives that are a multiple of those it has: Newton's step is too short, too long, or backwards.
+ClosedFormFamily of_wrong_slope(double multiple, double defined_below) {
+  samara::models::FamilyInfo info;
+  info.model = "place";
+  info.coordinates = {{"a", "m", false, -100.0, 100.0}};
+  info.outputs = {{"x", "m"}};
+  return {info, [multiple, defined_below](std::span<const double> q, double, Eigen::RowVectorXd& values,
+                                          Eigen::RowVectorXd* derivatives) {
+            values[0] = q[0] < defined_below ? q[0] : std::nan("");
+            if (derivatives) (*derivatives)[0] = multiple;
+          }};
+}
+
+}  // namespace
+
+TEST_CASE("where the minimum is not found there is no evidence") {
+  std::mt19937_64 random(10);
+  const std::vector<double> times = even_times(60, 1.0);
+  std::vector<Capture> captures = {make_capture("a", times, Eigen::VectorXd::Constant(60, 0.12))};
+  add_noise(captures[0], kLossScale, random);
+  FitOptions options = plain_options();
+  options.starts.initial["a"] = 0.1215;  // six errors off
+  for (const double multiple : {-1.0, 100.0}) {
+    CAPTURE(multiple);
+    options.solver.max_iterations = 1;
+    const Outcome<Evidence> evidence = evidence_of(of_wrong_slope(multiple, 200.0), captures, options);
+    REQUIRE_FALSE(evidence);
+    CHECK_THAT(evidence.ending().message, Catch::Contains("the minimum was not found"));
+  }
+  // A step too long by 1/0.6, to where there is no trajectory, is halved.
+  const Outcome<Evidence> right = evidence_of(of_wrong_slope(1.0, 200.0), captures, options);
+  options.starts.initial["a"] = 0.0;
+  const Outcome<Evidence> walled = evidence_of(of_wrong_slope(0.6, 0.19), captures, options);
+  REQUIRE(right);
+  REQUIRE(walled);
+  // The curvature is 0.36 of what it is.
+  CHECK(walled->log == Approx(right->log - std::log(0.6)).margin(1e-3));
 }
