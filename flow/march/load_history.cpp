@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace samara::flow {
 
@@ -35,6 +36,8 @@ double swing_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, s
   return std::sqrt(std::max(0.0, squared / length - std::pow(sum / length, 2)));
 }
 
+constexpr double kSwing = 0.1, kLeastSwing = 0.02;  // below which shedding says nothing of the drag
+
 /// Of the halves of what was averaged: the second less the first.
 struct Halves {
   double drag = 0.0;
@@ -42,12 +45,41 @@ struct Halves {
 };
 
 Halves halves_of(const std::vector<PeriodMeans>& periods) {
-  constexpr double kSwing = 0.1, kLeastSwing = 0.02;  // below which shedding says nothing of the drag
   const std::size_t count = periods.size(), half = count / 2;
   const double drag = drag_of_last(periods, count, half) - drag_of_last(periods, count - half, count - half);
   const double before = swing_of_last(periods, count - half, count - half),
                after = swing_of_last(periods, count, half), larger = std::max(before, after);
   return {drag, larger < kLeastSwing || std::abs(after - before) < kSwing * larger};
+}
+
+struct Sample {
+  double mean = 0.0, squared_error = 0.0;  ///< of the mean
+};
+
+template <class Value>
+Sample sample_of(std::span<const PeriodMeans> periods, const Value& value) {
+  const auto count = static_cast<double>(periods.size());
+  Sample sample;
+  for (const PeriodMeans& period : periods) sample.mean += value(period) / count;
+  for (const PeriodMeans& period : periods)
+    sample.squared_error += std::pow(value(period) - sample.mean, 2) / (count - 1.0) / count;
+  return sample;
+}
+
+/// Whether the means of both halves are further apart than a share of the larger one and than scatter lets them be. That is
+/// asked after every period, and Student's 95 % would come up by chance in a long run: twice that does not.
+template <class Value>
+bool has_moved(const std::vector<PeriodMeans>& periods, double share, double least, const Value& value) {
+  constexpr double kBeyondChance = 2.0;
+  const std::span all(periods);
+  const std::size_t half = periods.size() / 2;
+  const Sample before = sample_of(all.first(periods.size() - half), value),
+               after = sample_of(all.last(half), value);
+  const double larger = std::max(std::abs(before.mean), std::abs(after.mean));
+  const double by_chance =
+      student_quantile(periods.size() - 2) * std::sqrt(before.squared_error + after.squared_error);
+  return larger >= least &&
+         std::abs(after.mean - before.mean) > std::max(share * larger, kBeyondChance * by_chance);
 }
 
 }  // namespace
@@ -122,10 +154,10 @@ bool is_known(const std::vector<PeriodMeans>& periods, double share) {
 bool holds_transient(const std::vector<PeriodMeans>& periods, double share) {
   constexpr std::size_t kLeastPeriods = 10;
   if (periods.size() < kLeastPeriods) return false;
-  const MeanWithError drag = mean_drag(periods);
-  const Halves halves = halves_of(periods);
-  return !halves.same_swing ||
-         std::abs(halves.drag) > std::max(share * std::abs(drag.value), 2.0 * drag.half_width);
+  return has_moved(periods, share, 0.0, [](const PeriodMeans& period) { return period.drag; }) ||
+         has_moved(periods, kSwing, kLeastSwing, [](const PeriodMeans& period) {
+           return std::sqrt(std::max(0.0, period.lift_squared - period.lift * period.lift));
+         });
 }
 
 std::vector<PeriodMeans> last_periods(const std::vector<LoadRecord>& history, double period) {

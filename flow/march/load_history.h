@@ -54,8 +54,8 @@ bool is_settled(const std::vector<PeriodMeans>& periods);
 /// the lift, which shows shedding that grows long before the drag does, by more than a tenth.
 bool is_known(const std::vector<PeriodMeans>& periods, double share);
 /// Whether what was averaged holds the end of a transient, which would stay in the mean for long: at least ten periods, of
-/// whose halves the drags are further apart than that share and twice the half width, or the deviations of the lift by more
-/// than a tenth.
+/// whose halves the drags are further apart than that share, or the deviations of the lift by more than a tenth, and either by
+/// more than twice Student's 95 % of the difference, from the scatter within the halves.
 bool holds_transient(const std::vector<PeriodMeans>& periods, double share);
 
 /// Means of the last whole periods of a given length that fit into the second half of a history, or of one that does not fit;

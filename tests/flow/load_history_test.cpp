@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "flow_cases.h"
+#include "samara/base/streams.h"
 
 using namespace samara::flow;
 using flow_cases::kPi;
@@ -113,6 +114,34 @@ TEST_CASE("shedding that still grows is no mean, and what was averaged of it is 
   for (int i = 0; i < 14; ++i) noisy.push_back(2.0 + 0.1 * std::sin(5.0 * i * i));
   CHECK_FALSE(holds_transient(with_drags(noisy), 0.01));
   CHECK_FALSE(holds_transient({growing.begin(), growing.begin() + 9}, 0.01));
+}
+
+TEST_CASE("shedding whose swings scatter and do not grow is averaged on and on", "[flow]") {
+  // Of each period: drawn for itself, with a drag that goes with the square of the swing.
+  const auto restarts = [](double scatter, std::uint64_t seed, double growth) {
+    samara::Stream random(seed, 0);
+    std::vector<PeriodMeans> averaged;
+    int count = 0;
+    for (int i = 0; i < 200; ++i) {
+      const double grown = 1.0 - growth * std::exp(-0.1 * i);
+      const double swing = 0.3 * grown * std::max(0.05, 1.0 + scatter * random.normal());
+      averaged.push_back({.length = 5.0, .drag = 2.44 + 2.6 * swing * swing, .lift_squared = swing * swing});
+      if (!holds_transient(averaged, 0.01)) continue;
+      averaged.clear();
+      ++count;
+    }
+    return count;
+  };
+  for (const double scatter : {0.15, 0.2, 0.3}) {
+    int stationary = 0, growing = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      stationary += restarts(scatter, seed, 0.0);
+      growing += restarts(scatter, seed, 0.9) > 0 ? 1 : 0;
+    }
+    INFO("of ten runs whose swings scatter by " << scatter);
+    CHECK(stationary <= 1);
+    CHECK(growing == 10);
+  }
 }
 
 TEST_CASE("the error of a mean drag is Student's, and that of less than two periods is not known", "[flow]") {
