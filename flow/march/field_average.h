@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "samara/flow/march/flow_march.h"
 
 namespace samara::flow {
@@ -15,13 +17,13 @@ class FieldAverage {
 
   /// Sums over time, for checkpoints: velocity, p, squares, k, eps.
   template <class Visitor>
-  void visit(const Visitor& visitor) {
-    visitor("average_time", time_);
-    for (std::size_t d = 0; d < 3; ++d) visitor("average_u" + std::to_string(d), velocity_[d]);
-    visitor("average_p", pressure_);
-    visitor("average_squares", squares_);
-    visitor("average_k", k_);
-    visitor("average_epsilon", epsilon_);
+  void visit(const Visitor& visitor, const std::string& prefix) {
+    visitor(prefix + "time", time_);
+    for (std::size_t d = 0; d < 3; ++d) visitor(prefix + "u" + std::to_string(d), velocity_[d]);
+    visitor(prefix + "p", pressure_);
+    visitor(prefix + "squares", squares_);
+    visitor(prefix + "k", k_);
+    visitor(prefix + "epsilon", epsilon_);
   }
 
   FaceField velocity() const;

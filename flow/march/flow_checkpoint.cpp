@@ -33,7 +33,8 @@ void visit_state(FlowRun& run, const Visitor& visit) {
     visit("k", turbulence->k);
     visit("epsilon", turbulence->epsilon);
   }
-  run.average.visit(visit);
+  run.mean.fields.visit(visit, "average_");
+  if (run.older) run.older->fields.visit(visit, "older_");
   visit("averaging", run.averaging);
   visit("change", run.change);
   visit("worst_disagreement", run.worst_disagreement);
@@ -84,7 +85,7 @@ std::vector<double> as_numbers(const Eigen::VectorXd& values) {
 
 std::string case_text(const FlowCase& flow, const FlowOptions& options) {
   // Raise it whenever the same case takes other bits, or the state holds other numbers.
-  constexpr int kRevision = 4;
+  constexpr int kRevision = 5;
   std::string text = fmt::format(
       "samara {} flow, solver {}: {} of {} dimensions, angle {} Re {} I {} turbulence {} domain {} {} {} n "
       "{} central "
@@ -105,6 +106,7 @@ void save_checkpoint(FlowRun& run, const std::filesystem::path& path) {
   io::Hdf5Writer file(path);
   file.write_text_attribute("/", "format", "samara-flow-checkpoint");
   file.write_text_attribute("/", "case", run.text);
+  file.write_number_attribute("/", "has_older", run.older ? 1.0 : 0.0);
   visit_state(run, [&](const std::string& name, auto& value) {
     if constexpr (std::is_arithmetic_v<std::remove_reference_t<decltype(value)>>) {
       file.write_number_attribute("/", name, static_cast<double>(value));
@@ -114,7 +116,8 @@ void save_checkpoint(FlowRun& run, const std::filesystem::path& path) {
   });
   file.write_vector("/counter", as_vector(run.counter.state()));
   file.write_vector("/discarded", as_vector(flat(run.discarded)));
-  file.write_vector("/averaged", as_vector(flat(run.averaged)));
+  file.write_vector("/averaged", as_vector(flat(run.mean.periods)));
+  if (run.older) file.write_vector("/older", as_vector(flat(run.older->periods)));
   file.write_vector("/history", as_vector(flat(run.history)));
   file.commit();
 }
@@ -127,6 +130,7 @@ bool load_checkpoint(FlowRun& run, const std::filesystem::path& path) {
   if (file.text_attribute("/", "case") != run.text)
     throw file.error(
         "/", "is a checkpoint of another case, seed or version; expected this one, or --fresh to begin anew");
+  if (file.number_attribute("/", "has_older") != 0.0) run.older = run.empty_mean();
   visit_state(run, [&](const std::string& name, auto& value) {
     using Value = std::remove_reference_t<decltype(value)>;
     if constexpr (std::is_arithmetic_v<Value>) {
@@ -137,7 +141,8 @@ bool load_checkpoint(FlowRun& run, const std::filesystem::path& path) {
   });
   run.counter.set_state(as_numbers(file.vector("/counter", {.rows = 11})));
   run.discarded = periods_of(as_numbers(file.vector("/discarded")));
-  run.averaged = periods_of(as_numbers(file.vector("/averaged")));
+  run.mean.periods = periods_of(as_numbers(file.vector("/averaged")));
+  if (run.older) run.older->periods = periods_of(as_numbers(file.vector("/older")));
   run.history = history_of(as_numbers(file.vector("/history")));
   run.march.find_body();
   return true;

@@ -75,18 +75,8 @@ void take_step(FlowRun& run) {
   run.history.push_back(record);
   run.largest_force = std::max(run.largest_force, loads.force.norm());
   if (run.march.moves()) return;  // its periods are those of its motion
-  if (run.averaging) run.average.add(run.march, report.step);
-  if (const std::optional<PeriodMeans> period = run.counter.add(record)) {
-    (run.averaging ? run.averaged : run.discarded).push_back(*period);
-    if (!run.averaging) {
-      run.averaging = is_settled(run.discarded);
-    } else if (holds_transient(run.averaged, kDragKnown)) {
-      // What grows slowly passes for settled: the mean begins anew.
-      run.discarded.insert(run.discarded.end(), run.averaged.begin(), run.averaged.end());
-      run.averaged.clear();
-      run.average = FieldAverage(run.march.grid(), run.march.turbulence() != nullptr);
-    }
-  }
+  if (run.averaging) run.mean.fields.add(run.march, report.step);
+  if (const std::optional<PeriodMeans> period = run.counter.add(record)) run.add_period(*period, kDragKnown);
 }
 
 /// Largest change of the velocity and of k per time in the last step; k by the change of its field since `before`.
@@ -113,21 +103,22 @@ double disagreement(const FlowRun& run) {
 }
 
 /// What was not reached by max_time, in words.
-std::string unreached(const FlowRun& run, const FlowOptions& options) {
+std::string unreached(FlowRun& run, const FlowOptions& options) {
   if (options.end == FlowEnd::steady)
     return fmt::format("the flow still changes by {:.2g} per l/U at max_time, {:.4g} l/U", run.change,
                        options.max_time);
-  const char* const fields = run.average.time() > 0.0 ? "" : "; the fields are those of one instant";
-  if (run.averaged.size() < 2)
+  const FlowMean& mean = run.last_mean();
+  const char* const fields = mean.fields.time() > 0.0 ? "" : "; the fields are those of one instant";
+  if (mean.periods.size() < 2)
     return fmt::format(
         "the drag has no mean of known error at max_time, {:.4g} l/U: {} whole periods were "
         "averaged, expected at least 5{}",
-        options.max_time, run.averaged.size(), fields);
-  const MeanWithError drag = mean_drag(run.averaged);
+        options.max_time, mean.periods.size(), fields);
+  const MeanWithError drag = mean_drag(mean.periods);
   return fmt::format(
       "the mean drag is known to {:.2g} % from {} periods at max_time, {:.4g} l/U, expected {:.2g} % from at "
       "least 5 that do not drift",
-      100.0 * drag.half_width / std::abs(drag.value), run.averaged.size(), options.max_time,
+      100.0 * drag.half_width / std::abs(drag.value), mean.periods.size(), options.max_time,
       100.0 * kDragKnown);
 }
 
@@ -185,10 +176,11 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
         return finish(run, FlowStatus::steady, fmt::format("nothing changes after {:.4g} l/U", state.time),
                       result);
     }
-    if (options.end == FlowEnd::mean && is_known(run.averaged, kDragKnown))
-      return finish(run, FlowStatus::averaged,
-                    fmt::format("mean over {} periods, {:.4g} l/U", run.averaged.size(), run.average.time()),
-                    result);
+    if (options.end == FlowEnd::mean && is_known(run.mean.periods, kDragKnown))
+      return finish(
+          run, FlowStatus::averaged,
+          fmt::format("mean over {} periods, {:.4g} l/U", run.mean.periods.size(), run.mean.fields.time()),
+          result);
     const bool goes_on =
         !options.progress || options.progress({run.averaging                  ? "averaging"
                                                : options.end == FlowEnd::time ? "marching"
@@ -222,25 +214,26 @@ double bubble_end(const MacGrid& grid, const Openness& open, const FaceField& ve
 
 void summarise(FlowRun& run, const FlowOptions& options, double repeats, FlowResult& result) {
   FlowMarch& march = run.march;
+  FlowMean& mean = run.last_mean();
   // A steady flow is its own mean.
-  if (result.status == FlowStatus::steady || run.average.time() == 0.0) {
-    run.average = FieldAverage(march.grid(), march.turbulence() != nullptr);
-    run.average.add(march, 1.0);
+  if (result.status == FlowStatus::steady || mean.fields.time() == 0.0) {
+    mean.fields = FieldAverage(march.grid(), march.turbulence() != nullptr);
+    mean.fields.add(march, 1.0);
   } else {
-    result.averaged_time = run.average.time();
+    result.averaged_time = mean.fields.time();
   }
-  result.velocity = run.average.velocity();
-  result.pressure = run.average.pressure();
-  result.k_resolved = run.average.k_resolved();
+  result.velocity = mean.fields.velocity();
+  result.pressure = mean.fields.pressure();
+  result.k_resolved = mean.fields.k_resolved();
   if (march.turbulence() != nullptr) {
-    result.k_modelled = run.average.k_modelled();
-    result.epsilon = run.average.epsilon();
+    result.k_modelled = mean.fields.k_modelled();
+    result.epsilon = mean.fields.epsilon();
   }
   if (!march.moves()) result.bubble_end = bubble_end(march.grid(), march.openness(), result.velocity);
 
   const LoadRecord& last = run.history.back();
-  if (options.end == FlowEnd::time) run.averaged = last_periods(run.history, repeats);
-  const std::vector<PeriodMeans>& periods = run.averaged;
+  if (options.end == FlowEnd::time) mean.periods = last_periods(run.history, repeats);
+  const std::vector<PeriodMeans>& periods = mean.periods;
   if (result.status == FlowStatus::steady || periods.empty()) {
     // Of a flow that still changes, one step is no mean.
     result.drag = {last.drag, result.status == FlowStatus::steady ? 0.0 : INFINITY};

@@ -10,6 +10,7 @@
 
 #include "flow_cases.h"
 #include "samara/flow/march/flow_checkpoint.h"
+#include "samara/flow/march/flow_run.h"
 
 using namespace samara::flow;
 using namespace flow_cases;
@@ -153,6 +154,38 @@ TEST_CASE("a mean that was not reached has no known error", "[flow]") {
       result.message ==
       "the drag has no mean of known error at max_time, 0.2 l/U: 0 whole periods were averaged, expected at "
       "least 5; the fields are those of one instant");
+}
+
+TEST_CASE("a mean that begins anew is kept until the next has five periods, over interruptions", "[flow]") {
+  const RemovedFile file;
+  const auto new_run = [] {
+    return FlowRun({.grid = MacGrid(2, {8, 8, 1}, 0.125, Eigen::Vector3d::Zero()),
+                    .borders = all_periodic(),
+                    .viscosity = 0.01},
+                   "some case");
+  };
+  FlowRun run = new_run();
+  const auto add = [&](double drag) {
+    if (run.averaging) run.mean.fields.add(run.march, 7.0);
+    run.add_period({.length = 7.0, .drag = drag}, 0.01);
+  };
+  for (int i = 0; i < 10; ++i) add(1.0);
+  REQUIRE(run.averaging);
+  for (int i = 0; i < 10; ++i) add(1.0 + 0.05 * i);
+  for (int i = 0; i < 4; ++i) add(1.5);
+  CHECK(run.mean.periods.size() == 4);
+  CHECK(run.last_mean().periods.size() == 10);
+  CHECK(run.last_mean().fields.time() == Approx(70.0));
+  save_checkpoint(run, file.path);
+  FlowRun resumed = new_run();
+  REQUIRE(load_checkpoint(resumed, file.path));
+  CHECK(resumed.mean.periods.size() == 4);
+  CHECK(resumed.mean.fields.time() == Approx(28.0));
+  CHECK(resumed.last_mean().periods.size() == 10);
+  CHECK(resumed.last_mean().fields.time() == Approx(70.0));
+  add(1.5);
+  CHECK(run.last_mean().periods.size() == 5);
+  CHECK(run.last_mean().fields.time() == Approx(35.0));
 }
 
 TEST_CASE("the identity of a case changes with each size of its body", "[flow]") {
