@@ -26,7 +26,7 @@ struct SteeredCoefficient {
 struct MotionSearch {
   int beam = 64;      ///< falls that are kept at each event
   int children = 48;  ///< ways that each of them is continued
-  int sweeps = 2;     ///< of windows of Gauss-Newton over the fall that was found; none with turbulence
+  int sweeps = 2;     ///< of windows over the fall that was found; none where only a sequence is asked
   double step = 0.0;  ///< s, of the integration
   double ramp = 0.0;  ///< s, in which coefficients go from value to value
   std::uint64_t seed = 1;

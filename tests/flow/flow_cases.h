@@ -179,7 +179,6 @@ inline void start_channel(FlowMarch& march) {
   });
 }
 
-/// F = -1/2 C_D |v| v - pi/4 C_A dv/dt of a circle of diameter 1 (J. Morison et al., J. Petroleum Tech. 2 (1950) 149).
 /// From a place on, at a constant velocity.
 inline BodyPath steady_path(const Eigen::Vector3d& from, const Eigen::Vector3d& velocity) {
   return [=](double t) {
@@ -210,6 +209,7 @@ inline double early_drag(int n, bool moved) {
   return impulse / time;
 }
 
+/// F = -1/2 C_D |v| v - pi/4 C_A dv/dt of a circle of diameter 1 (J. Morison et al., J. Petroleum Tech. 2 (1950) 149).
 struct MorisonFit {
   double drag = 0.0, added_mass = 0.0;
 };
