@@ -62,6 +62,7 @@ BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const Momentu
 
 /// The same force from the balance over a box of cells around the body, of which only the border and the change of
 /// momentum inside are looked at: what flowed in and was not stored. The two agree to rounding.
+/// That says nothing of `reshaping`, which both take as it is: it is held by what the fluid loses over a way of many cells.
 Eigen::Vector3d box_force(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
                           const FlowState& state, const BodyPose& pose, bool moves,
                           const std::vector<FaceForce>& reshaping, const Range& box, double step);
