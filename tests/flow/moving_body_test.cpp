@@ -146,44 +146,69 @@ TEST_CASE("what a body that swings and turns takes is what a box around it loses
 TEST_CASE("over a way of many cells, a body takes the momentum that the fluid around it loses", "[flow]") {
   // Not by volumes that grow with what flows in, as in each step, but by those that are there at both ends.
   const int n = 16;
+  const double viscosity = 0.02;
+  const bool swerves = GENERATE(false, true);
+  const auto path = [swerves](double t) {
+    if (!swerves) return steady_path({1.2, 0.02, 0.0}, {-1.0, 0.0, 0.0})(t);
+    BodyPose pose;
+    pose.place = Eigen::Vector3d(1.2 - 0.3 * t - 0.2 * t * t, -0.6 + 0.1 * t + 0.2 * t * t, 0.0);
+    pose.velocity = Eigen::Vector3d(-0.3 - 0.4 * t, 0.1 + 0.4 * t, 0.0);
+    pose.acceleration = Eigen::Vector3d(-0.4, 0.4, 0.0);
+    pose.angle = 0.3 + 0.2 * t + 0.2 * t * t;
+    pose.angular_rate = 0.2 + 0.4 * t;
+    pose.angular_acceleration = 0.4;
+    return pose;
+  };
   FlowMarch march({.grid = MacGrid(2, {6 * n, 5 * n, 1}, 1.0 / n, {-3.0, -2.5, 0.0}),
                    .borders = stream(0.0),
                    .body = PlacedShape(ellipse_section(0.5, 0.35), Eigen::Vector3d::Zero(), 0.0),
-                   .path = steady_path({1.2, 0.02, 0.0}, {-1.0, 0.0, 0.0}),
-                   .viscosity = 0.02});
+                   .path = path,
+                   .viscosity = viscosity});
   march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.0, 0.0, 0.0); });
   const MacGrid& grid = march.grid();
+  const auto at = [&](int i, int j) { return static_cast<std::size_t>(grid.at(i, j)); };
+  const int last_column = grid.cells[0] - 1, last_row = grid.cells[1] - 1;
   // Of the fluid, with what is left open beside closed faces, which goes with the body.
   const auto momentum = [&] {
-    double sum = 0.0;
-    const Openness& open = march.openness();
-    for (int j = 0; j < grid.cells[1]; ++j) {
-      for (int i = 1; i < grid.cells[0]; ++i) {
-        const auto c = static_cast<std::size_t>(grid.at(i, j));
-        sum += 0.5 * (open.cell[c - 1] + open.cell[c]) * march.state().u[0][c];
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    const Field& open = march.openness().cell;
+    const FaceField& u = march.state().u;
+    for (int j = 0; j <= last_row; ++j) {
+      for (int i = 0; i <= last_column; ++i) {
+        const std::size_t c = at(i, j);
+        if (i > 0) sum.x() += 0.5 * (open[at(i - 1, j)] + open[c]) * u[0][c];
+        if (j > 0) sum.y() += 0.5 * (open[at(i, j - 1)] + open[c]) * u[1][c];
       }
     }
-    return sum * grid.spacing * grid.spacing;
+    return Eigen::Vector2d(sum * grid.spacing * grid.spacing);
   };
   while (march.state().time < 0.3) march.advance();
-  double impulse = 0.0, entered = 0.0;
-  const double before = momentum();
+  Eigen::Vector2d impulse = Eigen::Vector2d::Zero(), entered = Eigen::Vector2d::Zero();
+  const Eigen::Vector2d before = momentum();
   while (march.state().time < 2.0) {
     const FlowState& state = march.state();
     const double step = march.advance().step;
-    impulse += step * march.loads().force.x();
-    // At the slip walls nothing enters.
-    for (int j = 0; j < grid.cells[1]; ++j) {
-      const auto left = static_cast<std::size_t>(grid.at(0, j)),
-                 right = static_cast<std::size_t>(grid.at(grid.cells[0] - 1, j)), end = right + 1;
-      entered += step * grid.spacing * (state.p[left] - state.p[right] - std::pow(state.u[0][end], 2));
+    impulse += step * march.loads().force.head<2>();
+    // Through the slip walls nothing enters.
+    const double area = step * grid.spacing;
+    for (int j = 0; j <= last_row; ++j) {
+      const double out = state.u[0][at(last_column + 1, j)];
+      entered.x() += area * (state.p[at(0, j)] - state.p[at(last_column, j)] - out * out);
+      if (j == 0) continue;
+      entered.y() -= area * out * state.u[1][at(last_column, j)];
+      // The inflow holds back what flows along it.
+      entered.y() -= area * viscosity * state.u[1][at(0, j)] / (0.5 * grid.spacing);
     }
+    for (int i = 0; i <= last_column; ++i)
+      entered.y() += area * (state.p[at(i, 0)] - state.p[at(i, last_row)]);
   }
-  const double lost = entered - (momentum() - before);
-  INFO("impulse " << impulse << ", lost " << lost);
-  CHECK(impulse > 0.5);
-  // Loads that leave out what closing faces hand over miss 1.4 %.
-  CHECK(lost == Approx(impulse).epsilon(0.003));
+  const Eigen::Vector2d lost = entered - (momentum() - before);
+  INFO("impulse " << impulse.transpose() << ", lost " << lost.transpose());
+  CHECK(impulse.norm() > 0.5);
+  // Loads that leave out what closing faces hand over miss 1.4 %; without the acceleration of what is left open beside closed
+  // faces they miss 0.7 % along the way of the body that swerves. Across it 16 cells give no more than 0.6 %.
+  CHECK(std::abs(lost.x() - impulse.x()) < 0.003 * impulse.norm());
+  CHECK(std::abs(lost.y() - impulse.y()) < (swerves ? 0.007 : 0.003) * impulse.norm());
 }
 
 TEST_CASE("openness that follows a body is that which is measured anew", "[flow]") {
