@@ -21,11 +21,6 @@ struct RefiningState {
   static RefiningState from(const PlannedFall& fall, const FallPoint& start, const FoundFall& found);
 };
 
-/// What a window looks at that holds a whole fall, at most ten knots: the cost of fall_cost.h but for the kinds, its
-/// integrals from about twenty samples a knot, and the landing where the way of the last step meets the ground.
-/// @throws ArgumentError for no knots, or more
-double window_cost(const PlannedFall& fall, const FallPoint& start, std::vector<CourseKnot> knots);
-
 /// Moves the coefficients at the knots: Gauss and Newton's method over windows of six knots that look ten knots ahead, one
 /// window after another down the fall, within the box, with the exact tangents of the steps. What they minimise is
 /// their part of the cost that the search has (fall_cost.h), all but the kinds of segments, which have no

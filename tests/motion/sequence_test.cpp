@@ -12,6 +12,7 @@
 #include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/planner.h"
 #include "samara/motion/planning/window_search.h"
+#include "samara/motion/planning/windows.h"
 
 using namespace samara::motion;
 
@@ -353,7 +354,7 @@ TEST_CASE("the squares that a window sums up are the cost of the fall, at any co
     const double expected = cost.total() - cost.kinds;
     const double error = 1e-9 + 2e-3 * cost.path + 0.1 * cost.turbulence + 0.1 * std::sqrt(cost.landing);
     INFO(n << ": " << cost.path << " " << cost.changes << " " << cost.turbulence << " " << cost.landing);
-    CHECK(std::abs(window_cost(fall, fall.release(), knots) - expected) < error);
+    CHECK(std::abs(Windows(fall, knots).look(0, replayed, false).cost - expected) < error);
     CHECK((cost.path > 0.1) == (n % 3 != 0));
     CHECK(cost.changes > 1e-3);
     CHECK((cost.turbulence > 0.01) == (plan.turbulence > 0.0));
