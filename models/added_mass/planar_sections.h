@@ -28,7 +28,8 @@ SectionAddedMass<S> ellipse_section(const S& a, const S& b, const S& fluid_densi
   return {k * b * b, k * a * a, S(0.125) * k * squared_difference_of_squares(a, b)};
 }
 
-/// Rectangle of full sides a, b, as fitted in models of falling plates: a flat plate of chord a has pi/4 rho a^2.
+/// Rectangle of full sides a, b, as in models of falling plates. Fitted, not exact: a flat plate of chord a has
+/// pi/4 rho a^2, and this gives 3 pi/8.
 template <class S>
 SectionAddedMass<S> rectangle_section(const S& a, const S& b, const S& fluid_density) {
   const S k = S(3.0 * std::numbers::pi / 8.0) * fluid_density;
