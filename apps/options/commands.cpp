@@ -1,7 +1,7 @@
 #include "options/commands.h"
 
-// In the order of the help, one line each: <name>_command.cpp in one of the folders defines add_<name>(), which gives the
-// parser the command and its options, and by on_call() of option_parts.h says what is run.
+// In the order of the help, one line each: <name>_command.cpp in one of the folders defines add_<name>(), which gives
+// the parser the command and its options, and by on_call() of option_parts.h says what is run.
 #define SAMARA_COMMANDS(COMMAND) \
   COMMAND(models)                \
   COMMAND(simulate)              \

@@ -17,9 +17,9 @@ namespace {
 
 constexpr double kEnd = 40.0;
 
-/// Coefficients within 10 % of those of a flutter, and all states that it passes, but for what symmetry gives: a half turn
-/// of the plate and a reflection bring both velocities to zero or above, where the corner of the law at rest is a corner
-/// of the box. Where it lies is free by symmetry, too.
+/// Coefficients within 10 % of those of a flutter, and all states that it passes, but for what symmetry gives: a half
+/// turn of the plate and a reflection bring both velocities to zero or above, where the corner of the law at rest is a
+/// corner of the box. Where it lies is free by symmetry, too.
 constexpr const char* kPlan = R"toml(model = "falling_plate_nd"
 [fixed]
 inertia_ratio = 1.1

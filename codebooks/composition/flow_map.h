@@ -23,9 +23,10 @@
 /// A second chart: where a window begins outside the box, a half turn of the body or a reflection that its motion does
 /// not notice (motion_symmetry.h, found in the equations) may bring it back; the window is answered there, and its end
 /// taken back. So half a turn of the angle of a plate is enough, or all of it and both velocities from zero on, and
-/// tilts up to a right angle carry a body of such a symmetry through upside down. Bodies whose two ends are not alike need a second codebook, of the same model,
-/// parameters and time, for attitudes near upside down: with the axes "qw(0)" and "qz(0)", qx(0) = 1 and qy(0) = 0
-/// fixed. A window is answered by the first of the two whose box holds its start.
+/// tilts up to a right angle carry a body of such a symmetry through upside down. Bodies whose two ends are not alike
+/// need a second codebook, of the same model, parameters and time, for attitudes near upside down: with the axes
+/// "qw(0)" and "qz(0)", qx(0) = 1 and qy(0) = 0 fixed. A window is answered by the first of the two whose box holds its
+/// start.
 ///
 /// Of an attitude two numbers are enough where the model has the symmetry "rotation about z": "qx(0)" and
 /// "qy(0)" are axes, qw(0) = 1 and qz(0) = 0 are fixed. A window starts at the tilt alone

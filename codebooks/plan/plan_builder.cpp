@@ -21,7 +21,8 @@ using io::TomlTable;
 
 using Builder = BuildRequest::Builder;
 
-/// A key with a whole number, and where it stands; one that is optional is the builder's own choice where it is left out.
+/// A key with a whole number, and where it stands; one that is optional is the builder's own choice where it is left
+/// out.
 struct CountKey {
   std::string key;
   std::int64_t lower, upper;
