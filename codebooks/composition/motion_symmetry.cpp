@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -18,41 +19,53 @@ namespace samara::codebooks {
 namespace {
 
 constexpr double kFullTurn = 2.0 * std::numbers::pi;
-constexpr std::size_t kDraws = 6;
+/// Wrong images fail at the first few; only those that are kept are compared at all.
+constexpr std::size_t kDraws = 256;
 /// Signs of so many states are tried, one after the other.
 constexpr std::size_t kMostSigned = 12;
+
+/// A point of the box: inside in all coordinates, or at one of the ends in two of three.
+std::vector<double> drawn(std::span<const DrawnInterval> box, bool is_at_ends, pgd::Random& random) {
+  std::vector<double> q;
+  for (const DrawnInterval& interval : box) {
+    const double share = random.uniform();
+    const int place = is_at_ends ? random.below(3) : 2;
+    const double width = pgd::transformed_distance(interval.transform, interval.lower, interval.upper);
+    q.push_back(place == 0   ? interval.lower
+                : place == 1 ? interval.upper
+                             : pgd::transformed_advance(interval.transform, interval.lower, share * width));
+  }
+  return q;
+}
 
 /// States and parameters at which f is compared.
 class Trials {
  public:
-  Trials(const models::ParametricModel& model, std::span<const double> lower, std::span<const double> upper)
-      : model_(model), workspace_(model.make_workspace()) {
+  Trials(const models::ParametricModel& model, std::span<const DrawnInterval> box)
+      : model_(model),
+        has_parameters_(!std::ranges::all_of(model.free(), &models::FreeCoordinate::is_initial)) {
     pgd::Random random(17);
     for (std::size_t draw = 0; draw < kDraws; ++draw) {
-      std::vector<double> q;
-      for (std::size_t k = 0; k < lower.size(); ++k)
-        q.push_back(lower[k] + (upper[k] - lower[k]) * random.uniform());
-      parameters_.push_back(std::move(q));
+      const std::vector<double> q = drawn(box, draw % 2 == 1, random);
       Eigen::VectorXd offset(model.state_count());
       for (double& number : offset) number = random.uniform() - 0.5;
-      add_states(offset);
+      add_draw(q, offset);
     }
     sizes_ = Eigen::VectorXd::Zero(model.state_count());
-    for (const Eigen::VectorXd& f : rates_) sizes_ = sizes_.cwiseMax(f.cwiseAbs()).eval();
+    for (const Draw& draw : draws_) sizes_ = sizes_.cwiseMax(draw.rates.cwiseAbs()).eval();
   }
+
+  const Eigen::VectorXd& sizes() const { return sizes_; }
 
   /// Whether f at moved(x) is that at x, turned.
   template <class Move, class Turn>
   bool keep(double t, const Move& moved, const Turn& turned) {
-    for (std::size_t d = 0; d < states_.size(); ++d) {
-      const Eigen::VectorXd found = rate(t, static_cast<int>(d), moved(states_[d])),
-                            expected = turned(rates_[d]);
-      if (!((found - expected).array().abs() <= 1e-9 * sizes_.array()).all()) return false;
-    }
-    return true;
+    return std::ranges::all_of(draws_, [&](const Draw& draw) {
+      return are_same_rates(rate(t, draw.at, moved(draw.states)), turned(draw.rates), sizes_);
+    });
   }
   bool keep(const MotionImage& image) {
-    return states_.size() == kDraws &&
+    return 2 * draws_.size() >= kDraws &&
            keep(
                0.0, [&](const Eigen::VectorXd& x) { return image.of(x); },
                [&](const Eigen::VectorXd& f) -> Eigen::VectorXd { return image.linear * f; });
@@ -67,41 +80,48 @@ class Trials {
   }
 
  private:
-  /// States of the last parameters: beside the initial ones, since where all begin at zero symmetries hold that are
-  /// none; nearer where f has no value that far.
-  void add_states(const Eigen::VectorXd& offset) {
-    const std::vector<double>& q = parameters_.back();
+  /// Parameters, with a workspace of their own: what a model derives from them is costly, and kept there.
+  struct Parameters {
+    std::vector<double> q;
+    models::ParametricModel::Workspace workspace;
+  };
+  struct Draw {
+    std::size_t at = 0;  ///< its parameters
+    Eigen::VectorXd states, rates;
+  };
+
+  /// Beside the initial states, since where all begin at zero symmetries hold that are none; nearer where f has no
+  /// value that far. None where it has none at all.
+  void add_draw(const std::vector<double>& q, const Eigen::VectorXd& offset) {
+    if (parameters_.empty() || has_parameters_) parameters_.push_back({q, model_.make_workspace()});
     const models::ModelInfo& info = model_.model().info();
     Eigen::VectorXd start(offset.size()), sizes(offset.size());
     model_.initial(q, {start.data(), info.states.size()});
+    const models::Scales scales = model_.scales(q);
     for (Eigen::Index i = 0; i < sizes.size(); ++i)
-      sizes[i] = models::state_scale(info.states[static_cast<std::size_t>(i)], model_.scales(q));
-    const auto draw = static_cast<int>(states_.size());
+      sizes[i] = models::state_scale(info.states[static_cast<std::size_t>(i)], scales);
     for (double share = 1.0; share > 1e-3; share *= 0.25) {
       Eigen::VectorXd x = start + share * offset.cwiseProduct(sizes);
       for (const models::StateGroup& group : info.groups)
         if (group.kind == models::StateGroupKind::quaternion) x.segment<4>(group.first).normalize();
-      Eigen::VectorXd f = rate(0.0, draw, x);
+      Eigen::VectorXd f = rate(0.0, parameters_.size() - 1, x);
       if (!f.allFinite()) continue;
-      states_.push_back(std::move(x));
-      rates_.push_back(std::move(f));
+      draws_.push_back({parameters_.size() - 1, std::move(x), std::move(f)});
       return;
     }
-    parameters_.pop_back();
   }
 
-  Eigen::VectorXd rate(double t, int draw, const Eigen::VectorXd& x) {
+  Eigen::VectorXd rate(double t, std::size_t at, const Eigen::VectorXd& x) {
     Eigen::VectorXd f(x.size());
     const auto size = static_cast<std::size_t>(x.size());
-    model_.rhs(t, {x.data(), size}, parameters_[static_cast<std::size_t>(draw)], {f.data(), size},
-               workspace_);
+    model_.rhs(t, {x.data(), size}, parameters_[at].q, {f.data(), size}, parameters_[at].workspace);
     return f;
   }
 
   const models::ParametricModel& model_;
-  models::ParametricModel::Workspace workspace_;
-  std::vector<Eigen::VectorXd> states_, rates_;
-  std::vector<std::vector<double>> parameters_;
+  bool has_parameters_;  ///< among the free coordinates; if not, all draws share the first
+  std::vector<Parameters> parameters_;
+  std::vector<Draw> draws_;
   Eigen::VectorXd sizes_;  ///< of the rates
 };
 
@@ -173,12 +193,20 @@ Eigen::Matrix4d times_unit(int axis) {
 
 }  // namespace
 
-MotionSymmetry motion_symmetry(const models::ParametricModel& model, std::span<const double> lower,
-                               std::span<const double> upper, double later) {
+bool are_same_rates(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& sizes) {
+  constexpr double kLastDigits = 64.0 * std::numeric_limits<double>::epsilon();
+  const Eigen::ArrayXd allowed =
+      1e-9 * a.cwiseAbs().cwiseMax(b.cwiseAbs()).array() + kLastDigits * sizes.array();
+  return ((a - b).array().abs() <= allowed).all();
+}
+
+MotionSymmetry motion_symmetry(const models::ParametricModel& model, std::span<const DrawnInterval> box,
+                               double later) {
   const models::ModelInfo& info = model.model().info();
   const std::size_t states = info.states.size();
-  Trials trials(model, lower, upper);
+  Trials trials(model, box);
   MotionSymmetry symmetry;
+  symmetry.sizes = trials.sizes();
   symmetry.autonomous = trials.keep_moved(0, 0.0, later);
   for (std::size_t i = 0; i < states; ++i)
     symmetry.angles.push_back(!trials.keep_moved(i, 1.0) && trials.keep_moved(i, kFullTurn));

@@ -89,14 +89,15 @@ WindowChart::Carried WindowChart::carry(const models::ModelInfo& info, std::size
   return result;
 }
 
-WindowChart::WindowChart(const Codebook& book) : book_(&book), query_(book) {
-  const models::ParametricModel model = model_of(book);
-  const models::ModelInfo& info = model.model().info();
-  std::vector<double> lower, upper;
+WindowChart::WindowChart(const Codebook& book)
+    : book_(&book), query_(book), model_(model_of(book)), workspace_(model_.make_workspace()) {
+  const models::ModelInfo& info = model_.model().info();
+  const std::vector<pgd::Axis> axes = book.pieces().front().outline().axes;
+  std::vector<DrawnInterval> box;
   for (std::size_t k = 1; k < book.coordinates().size(); ++k) {
     const Coordinate& c = book.coordinates()[k];
-    lower.push_back(c.lower);
-    upper.push_back(c.upper);
+    box.push_back({c.lower, c.upper, axes[k].transform()});
+    model_parameters_.push_back(c.lower);
     if (c.role == pgd::AxisRole::initial) continue;
     parameters_.push_back(c);
     parameter_places_.push_back(static_cast<int>(k));
@@ -107,9 +108,8 @@ WindowChart::WindowChart(const Codebook& book) : book_(&book), query_(book) {
     throw ArgumentError(
         fmt::format("a flow map needs a codebook from t = 0 on; this one begins at {}", time.lower));
   }
-  MotionSymmetry symmetry = motion_symmetry(model, lower, upper, 0.37 * window_);
-  images_ = std::move(symmetry.images);
-  if (!symmetry.autonomous) {
+  symmetry_ = motion_symmetry(model_, box, 0.37 * window_);
+  if (!symmetry_.autonomous) {
     throw ArgumentError(
         fmt::format("a flow map needs an autonomous model; \"{}\" depends on time", info.name));
   }
@@ -117,7 +117,7 @@ WindowChart::WindowChart(const Codebook& book) : book_(&book), query_(book) {
   for (std::size_t i = 0; i < info.states.size(); ++i) {
     states_.push_back(info.states[i].name);
     units_.push_back(info.states[i].unit);
-    carried_.push_back(carry(info, i, symmetry.angles[i]));
+    carried_.push_back(carry(info, i, symmetry_.angles[i]));
   }
   point_.resize(book.coordinates().size());
   values_.resize(book.output_count());
@@ -128,13 +128,30 @@ std::optional<LeavingState> WindowChart::open(WindowStart& at, bool with_derivat
   at.image = nullptr;
   std::optional<LeavingState> first = load(at, with_derivatives);
   if (!first) return std::nullopt;
-  for (const MotionImage& image : images_) {
+  for (const MotionImage& image : symmetry_.images) {
     at.image = &image;
     const std::optional<LeavingState> leaving = load(at, with_derivatives);
-    if (!leaving) return std::nullopt;
+    if (!leaving && is_kept(image, at.start)) return std::nullopt;
+    if (!leaving) continue;
     if (is_of_attitude(first->state) && !is_of_attitude(leaving->state)) first = leaving;
   }
   return first;
+}
+
+bool WindowChart::is_kept(const MotionImage& image, const Eigen::VectorXd& start) {
+  // Of many full turns the last digits of an angle are lost, and f with them.
+  Eigen::VectorXd x = start;
+  for (std::size_t i = 0; i < carried_.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (carried_[i].wraps) x[row] -= kTurn * std::round(x[row] / kTurn);
+  }
+  const auto rate = [&](const Eigen::VectorXd& at) {
+    Eigen::VectorXd f(at.size());
+    const auto size = static_cast<std::size_t>(at.size());
+    model_.rhs(0.0, {at.data(), size}, model_parameters_, {f.data(), size}, workspace_);
+    return f;
+  };
+  return are_same_rates(rate(image.of(x)), image.linear * rate(x), symmetry_.sizes);
 }
 
 std::optional<LeavingState> WindowChart::load(WindowStart& at, bool with_derivatives) {
@@ -210,7 +227,11 @@ bool WindowChart::is_of_attitude(std::size_t state) const {
 }
 
 void WindowChart::set_parameters(std::span<const double> q) {
-  for (std::size_t k = 0; k < q.size(); ++k) point_[static_cast<std::size_t>(parameter_places_[k])] = q[k];
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    const auto place = static_cast<std::size_t>(parameter_places_[k]);
+    point_[place] = q[k];
+    model_parameters_[place - 1] = q[k];
+  }
 }
 
 std::string WindowChart::words(const LeavingState& leaving) const {
@@ -220,7 +241,7 @@ std::string WindowChart::words(const LeavingState& leaving) const {
                           : attitude_->is_without_yaw() ? ", without yaw,"
                                                         : ", with the number that is fixed made one,";
   const std::string after = leaving.image != nullptr ? fmt::format(" after {}", leaving.image->name)
-                            : images_.empty()
+                            : symmetry_.images.empty()
                                 ? ""
                                 : ", and what its motion does not notice does not bring it back";
   return fmt::format("{} = {:.6g}{}{} is outside [{}, {}]{}", states_[leaving.state], leaving.value,

@@ -12,6 +12,7 @@
 #include "samara/codebooks/composition/motion_symmetry.h"
 #include "samara/codebooks/composition/reduced_attitude.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/models/interface/parametric_model.h"
 
 namespace samara::codebooks {
 
@@ -72,6 +73,9 @@ class WindowChart {
   Carried carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const;
   /// As it is, or its image.
   std::optional<LeavingState> load(WindowStart& at, bool with_derivatives);
+  /// Whether f at the image of a start is the image of f, at the present parameters: what the draws of
+  /// motion_symmetry() have missed, since it acts in a small part of the box, is seen where it matters.
+  bool is_kept(const MotionImage& image, const Eigen::VectorXd& start);
   /// Reduced, as the start.
   void answer_reduced(double t, const WindowStart& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
                       Eigen::MatrixXd* by_parameters);
@@ -81,7 +85,11 @@ class WindowChart {
   std::vector<std::string> states_, units_;
   std::vector<Carried> carried_;
   std::optional<ReducedAttitude> attitude_;
-  std::vector<MotionImage> images_;
+  MotionSymmetry symmetry_;
+  models::ParametricModel model_;
+  models::ParametricModel::Workspace workspace_;
+  std::vector<double>
+      model_parameters_;  ///< free coordinates of the model; those of initial values do not matter to f
   std::vector<Coordinate> parameters_;
   std::vector<int> parameter_places_;  ///< coordinates of the codebook
   double window_ = 0.0;
