@@ -8,6 +8,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/made.h"
@@ -351,9 +353,14 @@ BuildResult built(const Plan& plan, const pgd::PointsFunction& function, const B
   if (options.progress) {
     progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
   }
-  BuildResult result = plan.command ? build_of_command(plan, function, options, progress, cancelled)
-                       : plan.field != nullptr ? build_of_field(plan, options, progress, cancelled)
-                                               : build_of_model(plan, options, progress, cancelled);
+  // Everything that is shared between threads below is shared between those of the plan.
+  const int cores = tbb::info::default_concurrency();
+  tbb::task_arena arena(plan.builder.threads > 0 ? std::min(plan.builder.threads, cores) : cores);
+  BuildResult result = arena.execute([&] {
+    return plan.command            ? build_of_command(plan, function, options, progress, cancelled)
+           : plan.field != nullptr ? build_of_field(plan, options, progress, cancelled)
+                                   : build_of_model(plan, options, progress, cancelled);
+  });
   if (!options.checkpoint.empty() && !options.keep_checkpoint && !result.resumable) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);

@@ -1,8 +1,10 @@
 #include "samara/codebooks/build/build.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
+#include <tbb/task_arena.h>
 
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
@@ -317,6 +319,21 @@ TEST_CASE("the number of threads changes no byte outside the provenance") {
     save(bare, directory / std::to_string(threads));
   }
   CHECK(content(directory / "1") == content(directory / "2"));
+}
+
+TEST_CASE("a build takes the threads of its plan and no more") {
+  const std::string kind = GENERATE(as<std::string>{}, "pgd", "sampling");
+  INFO(kind);
+  const Plan plan = parse_plan(fall_plan(kCoin, "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.3]\n") +
+                                   "[builder]\nkind = '" + kind + "'\nthreads = 1\n",
+                               "plan.toml");
+  std::vector<int> threads;
+  build(plan, {.certificate_points = 100, .progress = [&](const samara::Progress&) {
+                 threads.push_back(tbb::this_task_arena::max_concurrency());
+                 return true;
+               }});
+  REQUIRE_FALSE(threads.empty());
+  CHECK(std::ranges::count(threads, 1) == std::ssize(threads));
 }
 
 TEST_CASE("the seed of a plan changes the course of a build, not its quality") {
