@@ -24,6 +24,9 @@ constexpr int kRegisters = 32;
 #elif defined(__AVX__)
 constexpr std::size_t kRegisterBytes = 32;
 constexpr int kRegisters = 16;
+#elif defined(__aarch64__)
+constexpr std::size_t kRegisterBytes = 16;
+constexpr int kRegisters = 32;
 #else
 constexpr std::size_t kRegisterBytes = 16;
 constexpr int kRegisters = 16;
