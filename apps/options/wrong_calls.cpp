@@ -80,6 +80,14 @@ std::string sentence_of_number(const std::string& said, const CLI::App& command)
   return is(name, value, is_whole ? "a whole number" : "a number");
 }
 
+/// "NAME: At Most 1 required but received 2", or one of the sentences for too few.
+std::string sentence_of_count(const std::string& said) {
+  const auto [name, reason] = parted(said, ": ");
+  if (!reason.starts_with("At Most ")) return name + " stands without a value, expected one after it";
+  const std::string count = parted(reason, " received ").second;
+  return fmt::format("{} is given {}, expected once", name, count == "2" ? "twice" : count + " times");
+}
+
 /// The command among the words, null where there is none.
 const CLI::App* named_command(const CLI::App& app, std::span<const std::string> words) {
   for (const std::string& word : words)
@@ -136,8 +144,7 @@ std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     return sentence_of_extras(command.remaining(), command);
   if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr) return sentence_of_value(said);
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
-    return parted(said, ": ").first + " stands without a value, expected one after it";
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) return sentence_of_count(said);
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr && said.starts_with("Could not convert"))
     return sentence_of_number(said, command);
   return said;

@@ -326,6 +326,8 @@ class BadCalls(Case):
                                (["validate", line, "again.h5"], 'validate does not take "again.h5" as well'),
                                (["query", line, "--set"], "--set stands without a value, expected one after it"),
                                (["query", line, "--set", "k=4", "--at"], "--at stands without a value, expected one after it"),
+                               (["plot", line, "--title", "a", "--title", "b", "-o", "p.svg"], "--title is given twice, expected once"),
+                               (["plot", line, "--title", "a", "--title", "b", "--title", "c", "-o", "p.svg"], "--title is given 3 times, expected once"),
                                (["completion", "tcsh"], 'SHELL is "tcsh", expected one of bash, zsh, fish'),
                                (["info", ""], "BOOK is empty")]:
             result = run(*call)
