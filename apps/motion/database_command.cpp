@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -5,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "options/option_parts.h"
+#include "samara/base/errors.h"
+#include "samara/io/hdf5_reader.h"
 #include "samara/motion/database/database_file.h"
 #include "samara/motion/database/database_report.h"
 #include "samara/motion/sweeps/sweep_file.h"
@@ -22,10 +25,24 @@ struct DatabaseArguments {
   bool json = false;
 };
 
+/// No other file is lost to a database.
+void check_target(const std::string& path) {
+  const std::string kind = "database of motions";
+  check_replaced(path, kind, "\x89HDF");
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return;
+  const io::Hdf5Reader file(path);
+  const std::string format = file.has_attribute("/", "format") ? file.text_attribute("/", "format") : "";
+  if (format != "samara-motions")
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is a file in the format \"{}\", and no {}: it would be overwritten",
+                    path, format, kind));
+}
+
 int run_database(const DatabaseArguments& arguments) {
   catch_interrupts();
   check_output(arguments.output, {arguments.sweep});
-  check_replaced(arguments.output, "database of motions", "\x89HDF");
+  check_target(arguments.output);
   const motion::Sweep sweep = motion::load_sweep(arguments.sweep);
   const motion::MotionDatabase database = motion::build_database(sweep, {.progress = progress_line()});
   clear_progress();

@@ -15,7 +15,7 @@ import time
 import h5py
 import numpy
 
-from samara_case import FOLDER, LONGEST, SAMARA, Case, main, run, write
+from samara_case import FOLDER, LINE_PLAN, LONGEST, SAMARA, Case, book, main, run, write
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -96,6 +96,12 @@ class Databases(Case):
         self.check_error(run("database", write("sweep_text.h5", "no HDF5"), "-o", FOLDER / "no.h5"), 3, "sweep_text.h5")
         self.check_error(run("database", swept("chaos", CHAOS), "-o", FOLDER / "chaos.h5"), 2, "chaos.h5")
         self.assertFalse((FOLDER / "no.h5").exists())
+
+    def test_no_file_of_another_kind_is_lost_to_a_database(self):
+        for path in [book("line", LINE_PLAN), swept(), write("notes.txt", "mine")]:
+            before = pathlib.Path(path).read_bytes()
+            self.check_error(run("database", swept("chaos", CHAOS), "-o", path), 2, str(path), "no database of motions")
+            self.assertEqual(pathlib.Path(path).read_bytes(), before)
 
 
 class Sweeps(Case):
