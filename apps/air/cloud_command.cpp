@@ -121,9 +121,7 @@ void check_outputs(const SimulateArguments& arguments) {
   for (const std::string* path : {&arguments.output, &arguments.cloud.picture}) {
     if (!path->empty()) check_output(*path, {arguments.model, arguments.wind, arguments.cloud.flow});
   }
-  const std::string& picture = arguments.cloud.picture;
-  if (!picture.empty() && std::filesystem::path(picture).extension() != ".svg")
-    throw ArgumentError(fmt::format("--picture is {}, expected a name that ends in .svg", picture));
+  check_ending("--picture", arguments.cloud.picture, ".svg");
   const std::string ending = std::filesystem::path(arguments.output).extension();
   const bool is_animation = io::is_scene_name(arguments.output);
   if (!arguments.output.empty() && ending != ".h5" && ending != ".csv" && !is_animation)
@@ -184,7 +182,7 @@ std::string call_of(const SimulateArguments& arguments, const models::Parametric
   text += options.ground ? fmt::format("ground {}\n", *options.ground) : std::string("no ground\n");
   text += fmt::format("states {}, up to {}\n", fmt::join(options.states, " "), options.relative_error);
   text += fmt::format("speed {}, length {}, at {}, {}, outside {}\n", words.speed, words.length, words.place,
-                      fmt::join(words.flow_at, " "), words.outside);
+                      fmt::join(words.flow_at, " "), words.outside == "stream" ? "stream" : "end");
   for (const std::string& file : {arguments.wind, words.flow}) {
     if (file.empty()) continue;
     if (!std::filesystem::is_regular_file(file)) return "";

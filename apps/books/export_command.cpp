@@ -146,7 +146,7 @@ void export_flat(const ExportArguments& arguments) {
     throw ArgumentError("a flat file holds the whole codebook, expected neither --set nor --at");
   if (flow::is_flow_file(arguments.book))
     throw ArgumentError(fmt::format("{} is a flow file, expected a codebook for --to flat", arguments.book));
-  check_ending(arguments.output, ".flat");
+  check_ending("--output", arguments.output, ".flat");
   check_replaced(arguments.output, "flat file", "SAMFLAT");
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);

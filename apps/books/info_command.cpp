@@ -16,7 +16,6 @@
 #include "samara/codebooks/file/load.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
-#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -216,7 +215,7 @@ std::string describe(const Codebook& book, const std::string& path) {
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
                       book.provenance().created, book.provenance().build_seconds);
-  return wrapped_lines(printable(text, "\n"));
+  return printable(text, "\n");
 }
 
 int run_info(const InfoArguments& arguments) {
@@ -236,8 +235,10 @@ int run_info(const InfoArguments& arguments) {
     write_answer(arguments.output, printable(plan, "\n\t\r"));
     return kDone;
   }
-  write_answer(arguments.output, arguments.json ? book_json(book, arguments.book).dump() + "\n"
-                                                : describe(book, arguments.book));
+  if (arguments.json)
+    write_answer(arguments.output, book_json(book, arguments.book).dump() + "\n");
+  else
+    write_readable(arguments.output, describe(book, arguments.book));
   return kDone;
 }
 

@@ -15,7 +15,6 @@
 #include "samara/codebooks/file/load.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
-#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -100,8 +99,10 @@ int run_validate(const ValidateArguments& arguments) {
   }
   Json object = {{"schema", "samara-validate/1"}};
   object["certificate"] = to_json(certificate, book);
-  write_answer(arguments.output,
-               arguments.json ? object.dump() + "\n" : wrapped_lines(to_table(certificate, book)));
+  if (arguments.json)
+    write_answer(arguments.output, object.dump() + "\n");
+  else
+    write_readable(arguments.output, to_table(certificate, book));
   return certificate.met ? kDone : kToleranceMissed;
 }
 

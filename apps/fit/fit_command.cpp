@@ -110,7 +110,7 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
                                       written[b].first, written[a].second));
     }
   }
-  check_ending(arguments.report, ".html");
+  check_ending("--report", arguments.report, ".html");
   if (arguments.petab.empty()) return;
   // Last: a call that is refused leaves no folder behind.
   std::error_code reason;

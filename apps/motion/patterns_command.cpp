@@ -200,7 +200,7 @@ int run_patterns(const PatternsArguments& arguments) {
     inputs.insert(inputs.end(), {arguments.sidecar, arguments.labels, arguments.body});
     std::erase(inputs, "");
     check_output(arguments.report, inputs);
-    check_ending(arguments.report, ".html");
+    check_ending("--report", arguments.report, ".html");
   }
   check_point_words(arguments);
   if (sweep != arguments.inputs.end()) return patterns_of_sweep(arguments);

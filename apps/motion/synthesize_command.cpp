@@ -50,8 +50,8 @@ void check_outputs(const SynthesizeArguments& arguments) {
        {arguments.output, arguments.course, arguments.csv, arguments.picture, arguments.report}) {
     if (!path.empty()) check_output(path, {arguments.plan});
   }
-  check_ending(arguments.picture, ".svg");
-  check_ending(arguments.report, ".html");
+  check_ending("--picture", arguments.picture, ".svg");
+  check_ending("--report", arguments.report, ".html");
 }
 
 std::string states_csv(const motion::MotionPlan& plan, const motion::MotionResult& motion) {

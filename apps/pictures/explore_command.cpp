@@ -42,7 +42,7 @@ void check_page(const ExploreArguments& arguments) {
   if (!arguments.fit.empty()) inputs.push_back(arguments.fit);
   if (!arguments.body.body.empty()) inputs.push_back(arguments.body.body);
   check_output(arguments.output, inputs);
-  check_ending(arguments.output, ".html");
+  check_ending("--output", arguments.output, ".html");
 }
 
 int run_explore(const ExploreArguments& arguments) {

@@ -28,7 +28,7 @@ struct PictureArguments {
 
 int run_picture(const PictureArguments& arguments) {
   check_output(arguments.output, {arguments.flow});
-  check_ending(arguments.output, ".png");
+  check_ending("--output", arguments.output, ".png");
   const flow::StoredFlow stored = flow_of_file(arguments.flow, arguments.set, "--set");
   flow::PictureOptions options;
   options.field = arguments.field;

@@ -148,7 +148,7 @@ int run_plot(const PlotArguments& arguments) {
   if (arguments.columns < 1)
     throw ArgumentError(fmt::format("--columns is {}, expected at least 1", arguments.columns));
   check_output(arguments.output, {arguments.input});
-  check_ending(arguments.output, ".svg");
+  check_ending("--output", arguments.output, ".svg");
   io::write_text_atomically(arguments.output,
                             io::svg_charts(arguments.title, panels_of(arguments), arguments.columns));
   tell_of_file(arguments.output, arguments.json);

@@ -1,5 +1,6 @@
 #include "terminal/output.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -11,10 +12,12 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/build/effort.h"
 #include "samara/io/atomic_file.h"
 #include "terminal/terminal.h"
+#include "terminal/text_layout.h"
 
 namespace samara::apps {
 
@@ -44,10 +47,14 @@ void check_output(const std::string& path, const std::vector<std::string>& input
   io::require_writable(path);
 }
 
-void check_ending(const std::string& path, const std::string& ending) {
-  const std::string found = std::filesystem::path(path).extension();
-  if (found.empty() || found == ending) return;
-  throw ArgumentError(fmt::format("the output is \"{}\", expected a name in {}", path, ending));
+void check_ending(const std::string& option, const std::string& path, const std::string& ending) {
+  const std::string found = lower_case(std::filesystem::path(path).extension().string());
+  const bool is_ending = found.size() > 1 && found[1] >= 'a' && found[1] <= 'z' &&
+                         std::ranges::all_of(found.substr(1), [](char c) {
+                           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+                         });
+  if (!is_ending || found == ending) return;
+  throw ArgumentError(fmt::format("{} is \"{}\", expected a name that ends in {}", option, path, ending));
 }
 
 void check_replaced(const std::string& path, const std::string& kind, const std::string& mark) {
@@ -67,6 +74,10 @@ void write_answer(const std::string& path, const std::string& text) {
   } else {
     io::write_text_atomically(path, text);
   }
+}
+
+void write_readable(const std::string& path, const std::string& text) {
+  write_answer(path, path.empty() ? wrapped_prose(text) : text);
 }
 
 void tell_of_file(const std::string& path, bool json) {

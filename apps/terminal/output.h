@@ -24,14 +24,18 @@ void print(const Json& object);
 /// @throws ArgumentError if not, or if it is one of the inputs.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
 /// Of a file that is of one kind whatever its name is: `fall.png` must not hold a picture in SVG.
+/// Capitals do not matter, and an ending is letters, and digits behind them: that of `run_0.2` is none.
+/// @param option that names the file, such as "--report"
 /// @throws ArgumentError for a name with another ending; names without one, as those of streams, are taken
-void check_ending(const std::string& path, const std::string& ending);
+void check_ending(const std::string& option, const std::string& path, const std::string& ending);
 /// Of a file that is written by a name that may be another's: a sentence for where it is there and is none of its kind.
 /// @param kind such as "plan" @param mark what every file of the kind holds in its first 64 kB
 /// @throws ArgumentError if the file is there, regular, and without the mark
 void check_replaced(const std::string& path, const std::string& kind, const std::string& mark);
 /// To a file, or to stdout if the path is empty.
 void write_answer(const std::string& path, const std::string& text);
+/// The same of text for readers, whose sentences are wrapped on stdout: files do not depend on a terminal.
+void write_readable(const std::string& path, const std::string& text);
 /// Of a command whose result is a file: with --json, which file and how large, as one object (schema samara-file/1).
 void tell_of_file(const std::string& path, bool json);
 

@@ -414,8 +414,26 @@ class ChangedPlans(Case):
         for call, name, ending in [(["plot", line, "-o"], "fall.png", ".svg"), (["explore", line, "-o"], "page.txt", ".html"),
                                    (["export", line, "--to", "flat", "-o"], "line.h", ".flat"), (["picture", line, "-o"], "k.jpg", ".png"),
                                    (["fit", line, write("two.csv", "t[s],x[m]\n0,0\n1,1\n"), "--report"], "fit.pdf", ".html"), (["patterns", line, "--report"], "page.csv", ".html")]:
-            self.check_error(run(*call, FOLDER / name), 2, name, f"expected a name in {ending}")
+            self.check_error(run(*call, FOLDER / name), 2, name, f"expected a name that ends in {ending}")
             self.assertFalse((FOLDER / name).exists())
+        table = write("two.csv", "t[s],x[m]\n0,0\n1,1\n")
+        for name in ("FALL.SVG", "run_0.2", "fall"):  # capitals are no other kind, and what is no word is no ending
+            self.assertEqual(run("plot", table, "-o", FOLDER / name).returncode, 0)
+
+    def test_text_in_a_file_does_not_depend_on_the_terminal_and_rows_of_tables_are_never_broken(self):
+        line = book("line", LINE_PLAN)
+        for command in ("info", "validate"):
+            texts = []
+            for columns in ("60", "150"):
+                env = {**os.environ, "COLUMNS": columns}
+                subprocess.run([SAMARA, command, line, "-o", FOLDER / "answer.txt"], env=env, check=True)
+                texts.append((FOLDER / "answer.txt").read_text())
+            self.assertEqual(*texts)
+            shown = subprocess.run([SAMARA, command, line], env={**os.environ, "COLUMNS": "60"}, capture_output=True, text=True).stdout
+            rows = [row for row in texts[0].splitlines() if "  " in row.strip()]
+            self.assertGreater(max(map(len, rows)), 60)
+            for row in rows:
+                self.assertIn(row, shown.splitlines())
 
 
 class SchemasAndFiles(Case):
