@@ -261,7 +261,7 @@ def test_a_wind_is_its_profile_and_its_field(tmp_path):
 
 def test_a_cloud_is_that_of_the_command(tmp_path):
     path = tmp_path / "cloud.h5"
-    times = np.linspace(0, 0.5, 6)
+    times = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.5])  # as the command divides; linspace has 0.30000000000000004
     command("simulate", "immersed_body_in_gusts", *(x for n, v in LEAF.items() for x in ("--set", f"{n}={v}")), "--until", 0.5, "--frames", 6,
             "--turbulence", "k=0.3", "--turbulence", "epsilon=0.2", "--turbulence", "stream_x=1", "--realisations", 64, "--seed", 7,
             "--ground", 0.3, "--keep", 2, "-o", path)
