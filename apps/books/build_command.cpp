@@ -104,7 +104,7 @@ int run_build(const BuildArguments& arguments) {
     narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
                         result.book.provenance().build_seconds, effort(result.book)));
     print(arguments.json ? build_json(result, arguments.output).dump() + "\n"
-                         : wrapped_prose(to_table(*result.book.certificate(), result.book)));
+                         : wrapped_lines(to_table(*result.book.certificate(), result.book)));
     if (result.met) return kDone;
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
     if (result.resumable)

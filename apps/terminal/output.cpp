@@ -77,7 +77,7 @@ void write_answer(const std::string& path, const std::string& text) {
 }
 
 void write_readable(const std::string& path, const std::string& text) {
-  write_answer(path, path.empty() ? wrapped_prose(text) : text);
+  write_answer(path, wrapped_lines(text, path.empty() ? screen_width() : kUsualWidth));
 }
 
 void tell_of_file(const std::string& path, bool json) {

@@ -34,7 +34,7 @@ void check_ending(const std::string& option, const std::string& path, const std:
 void check_replaced(const std::string& path, const std::string& kind, const std::string& mark);
 /// To a file, or to stdout if the path is empty.
 void write_answer(const std::string& path, const std::string& text);
-/// The same of text for readers, whose sentences are wrapped on stdout: files do not depend on a terminal.
+/// The same of text for readers, in lines that fit: of files in the usual ones, whatever the terminal.
 void write_readable(const std::string& path, const std::string& text);
 /// Of a command whose result is a file: with --json, which file and how large, as one object (schema samara-file/1).
 void tell_of_file(const std::string& path, bool json);

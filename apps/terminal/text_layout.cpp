@@ -13,7 +13,7 @@ namespace samara::apps {
 
 namespace {
 
-constexpr std::size_t kUsualWidth = 110, kLeastWidth = 50, kMostWidth = 160;
+constexpr std::size_t kLeastWidth = 50, kMostWidth = 160;
 
 std::size_t asked_width() {
   winsize window = {};

@@ -6,7 +6,10 @@
 /// Text that is read by people, in lines that fit.
 namespace samara::apps {
 
-/// Columns of the terminal, or what COLUMNS says; 110 where nobody does.
+/// Columns of lines where nobody says how many, and of files.
+inline constexpr std::size_t kUsualWidth = 110;
+
+/// Columns of the terminal, or what COLUMNS says, or the usual ones.
 std::size_t screen_width();
 
 /// Words of `text` in lines of at most `width`, all but the first after `indent` spaces. A word that is longer has a line
