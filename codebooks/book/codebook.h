@@ -59,7 +59,7 @@ struct Provenance {
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
   std::string builder;  ///< "pgd", "sampling", or "fit": of a series of coefficients
-  /// One of pgd::strategy_names(); of sampling "cross"; in older files also "newton".
+  /// One of pgd::strategy_names(); of sampling "cross" or "steps"; in older files also "newton".
   std::string strategy;
   Termination status = Termination::failed;
   std::string message;     ///< in one sentence
