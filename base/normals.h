@@ -18,7 +18,7 @@ struct RandomPlace {
 /// Four independent standard normals, of 32 bits each: at most 6.7 in size.
 std::array<double, 4> normals_at(std::uint64_t seed, const RandomPlace& place);
 
-/// The same of this step and those that follow, as many as there is room for: many at once cost a fourth.
+/// The same of this step and those that follow, as many as there is room for: many at once cost a fraction.
 void normals_from(std::uint64_t seed, const RandomPlace& first, std::span<std::array<double, 4>> steps);
 
 }  // namespace samara
