@@ -1,0 +1,11 @@
+#pragma once
+
+#include <span>
+
+namespace samara {
+
+/// exp(x) in place of each x, in loops that the compiler makes SIMD code of: within 1.1 units in the last place, and the
+/// same bits alone, among others and on any machine. 0 below -707.7, where less than 5e-308 would be left.
+void take_exponentials(std::span<double> x);
+
+}  // namespace samara
