@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include <Eigen/Core>
 
 /// What the driver of realisations (realisations.h) asks about the fluid: its velocity where one body is, step by
 /// step. The fluid seen in a turbulent flow (fluid_seen.h) and a random field of wind drawn for each realisation are
-/// two answers to it.
+/// two answers to it. The driver asks for several realisations side by side, which are one after the other where the
+/// source knows no better.
 ///
 /// World axes, z up, SI units.
 namespace samara::models {
@@ -69,6 +71,59 @@ class AirAlongPath {
   virtual bool needs_response() const { return false; }
 };
 
+/// Vectors and matrices of bodies side by side: a row for each body, a column for each component, so that a component of
+/// all bodies is contiguous.
+using VectorsByLane = Eigen::Array<double, Eigen::Dynamic, 3>;
+using MatricesByLane = Eigen::Array<double, Eigen::Dynamic, 9>;  ///< column after column of each matrix
+
+/// Bodies side by side at the start of a step, each as BodyOnPath has it.
+struct BodiesOnPath {
+  explicit BodiesOnPath(Eigen::Index lanes);
+
+  Eigen::Index lanes() const { return flies.size(); }
+  BodyOnPath body(Eigen::Index lane) const;
+  void set(Eigen::Index lane, const BodyOnPath& body);
+
+  double t = 0.0;
+  VectorsByLane position, velocity, air, acceleration;
+  MatricesByLane attitude;
+  Eigen::ArrayXd response_time;
+  Eigen::Vector3d axes = Eigen::Vector3d::Ones();     ///< of all
+  Eigen::Matrix3d follows = Eigen::Matrix3d::Zero();  ///< of all
+  Eigen::ArrayXd flies;  ///< 1, or 0 where there is no body under way, whose numbers mean nothing
+};
+
+/// The air where each of them is at the end of a step, as AirSeen has it.
+struct AirsSeen {
+  explicit AirsSeen(Eigen::Index lanes);
+
+  AirSeen seen(Eigen::Index lane) const;
+  void set(Eigen::Index lane, const AirSeen& seen);
+
+  VectorsByLane velocity, rotation;
+  MatricesByLane gradient;
+  Eigen::ArrayXd time_scale;
+  Eigen::ArrayXd inside;  ///< 1, or 0
+  /// 1, or 0: whether `response_time` is of use at the next step (AirAlongPath::needs_response).
+  Eigen::ArrayXd needs_response;
+};
+
+/// The air along the paths of several realisations, in lanes; has a state, belongs to one thread.
+class AirAlongPaths {
+ public:
+  virtual ~AirAlongPaths() = default;
+
+  virtual void start(const BodiesOnPath& bodies, AirsSeen& seen) = 0;
+  /// As AirAlongPath::step, of the bodies that fly.
+  virtual void step(const BodiesOnPath& bodies, double h, AirsSeen& seen) = 0;
+};
+
+/// A realisation by its number, or its antithetic partner.
+struct Draw {
+  std::uint64_t number = 0;
+  bool mirrored = false;  ///< all that is random with the other sign
+};
+
 /// Where the air of every realisation comes from. Immutable: called from several threads at once.
 class AirSource {
  public:
@@ -77,6 +132,9 @@ class AirSource {
   /// @param number of the realisation: the same bits for the same number, whatever else is asked for
   /// @param mirrored all that is random with the other sign: the antithetic partner of the same number
   virtual std::unique_ptr<AirAlongPath> realisation(std::uint64_t number, bool mirrored) const = 0;
+
+  /// The same of several, one in each of the first of so many lanes, each with the bits that it has alone.
+  virtual std::unique_ptr<AirAlongPaths> side_by_side(std::span<const Draw> draws, Eigen::Index lanes) const;
 };
 
 }  // namespace samara::models

@@ -62,29 +62,6 @@ void TimeSums::close_group() {
   if (single.count() >= 2) groups.add(single.covariance().reshaped());
 }
 
-void StepCounts::add(double h, double time_scale) {
-  ++steps_;
-  if (h > 0.1 * time_scale * (1.0 + 1e-9)) ++beyond_tenth_;
-  if (h >= 0.3 * time_scale) ++beyond_third_;
-  if (time_scale == last_scale_) {
-    ++by_scale_[last_bin_];
-    return;
-  }
-  int bin = kBins - 1;  // longer than all others, or endless
-  if (time_scale <= 0.0) {
-    bin = 0;
-  } else if (std::isfinite(time_scale)) {
-    int octave = 0;  // time_scale = (0.5 to 1) 2^octave
-    const double mantissa = std::frexp(time_scale, &octave);
-    bin =
-        std::clamp(kPerOctave * (octave - 1) + static_cast<int>(kPerOctave * (2.0 * mantissa - 1.0)) - kLeast,
-                   0, kBins - 1);
-  }
-  last_scale_ = time_scale;
-  last_bin_ = static_cast<std::size_t>(bin);
-  ++by_scale_[last_bin_];
-}
-
 void StepCounts::merge(const StepCounts& other) {
   steps_ += other.steps_;
   beyond_tenth_ += other.beyond_tenth_;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -100,9 +103,19 @@ class StepCounts {
 
   long steps_ = 0, beyond_tenth_ = 0, beyond_third_ = 0;
   std::array<long, kBins> by_scale_ = {};
-  double last_scale_ = -1.0;  ///< of the step before, and its bin: most follow one of the same
-  std::size_t last_bin_ = 0;
 };
+
+inline void StepCounts::add(double h, double time_scale) {
+  ++steps_;
+  if (h > 0.1 * time_scale * (1.0 + 1e-9)) ++beyond_tenth_;
+  if (h >= 0.3 * time_scale) ++beyond_third_;
+  // The exponent of a double and the first two bits behind it are quarters of octaves, in order. Infinite ones are longer
+  // than all others.
+  static_assert(kPerOctave == 4);
+  constexpr std::int64_t kOfOne = 1023 * kPerOctave;
+  const std::int64_t quarter = (std::bit_cast<std::int64_t>(time_scale) >> 50) - kOfOne;
+  ++by_scale_[static_cast<std::size_t>(std::clamp<std::int64_t>(quarter - kLeast, 0, kBins - 1))];
+}
 
 /// All that is summed over realisations.
 class EnsembleSums {

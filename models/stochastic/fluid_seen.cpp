@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <utility>
-
-#include <Eigen/Eigenvalues>
+#include <vector>
 
 #include "samara/base/errors.h"
 #include "samara/base/normals.h"
 #include "samara/base/require.h"
 #include "samara/models/stochastic/langevin.h"
+#include "samara/models/stochastic/seen_steps.h"
 
 namespace samara::models {
 
@@ -21,157 +21,108 @@ constexpr double kTimesOfMean = 10.0;
 
 enum NoiseStream : std::uint16_t { kGustNoise = 1, kSpinNoise = 2 };
 
-/// Standard normals of one realisation, step after step, made a few ahead.
-class NoiseAhead {
+/// Standard normals of realisations side by side, step after step, made a few ahead.
+class NoiseByLane {
  public:
-  NoiseAhead(std::uint64_t seed, std::uint64_t number, bool mirrored, NoiseStream stream)
-      : seed_(seed), place_{.realisation = number, .stream = stream}, sign_(mirrored ? -1.0 : 1.0) {}
+  NoiseByLane(std::uint64_t seed, std::span<const Draw> draws, Eigen::Index lanes, NoiseStream stream)
+      : seed_(seed), draws_(draws.begin(), draws.end()), stream_(stream) {
+    ahead_.fill(VectorsByLane::Zero(lanes, 3));
+  }
 
-  Eigen::Vector3d next() {
-    if (used_ == ahead_.size()) {
-      normals_from(seed_, place_, ahead_);
-      place_.step += ahead_.size();
-      used_ = 0;
-    }
-    const std::array<double, 4>& z = ahead_[used_++];
-    return sign_ * Eigen::Vector3d(z[0], z[1], z[2]);
+  const VectorsByLane& next() {
+    if (used_ == ahead_.size()) refill();
+    return ahead_[used_++];
   }
 
  private:
+  void refill() {
+    std::array<std::array<double, 4>, kAhead> of_one;
+    for (std::size_t lane = 0; lane < draws_.size(); ++lane) {
+      const double sign = draws_[lane].mirrored ? -1.0 : 1.0;
+      normals_from(seed_, {.realisation = draws_[lane].number, .step = step_, .stream = stream_}, of_one);
+      for (std::size_t n = 0; n < kAhead; ++n) {
+        for (std::size_t i = 0; i < 3; ++i)
+          ahead_[n](static_cast<Eigen::Index>(lane), static_cast<Eigen::Index>(i)) = sign * of_one[n][i];
+      }
+    }
+    step_ += kAhead;
+    used_ = 0;
+  }
+
+  static constexpr std::size_t kAhead = 16;
+
   std::uint64_t seed_;
-  RandomPlace place_;
-  double sign_;
-  std::array<std::array<double, 4>, 16> ahead_;
-  std::size_t used_ = ahead_.size();
+  std::vector<Draw> draws_;
+  NoiseStream stream_;
+  std::uint64_t step_ = 0;
+  std::array<VectorsByLane, kAhead> ahead_;
+  std::size_t used_ = kAhead;
 };
 
-/// What an exponential relaxation keeps over a step, and the noise that makes up for the rest.
-struct Relaxation {
-  explicit Relaxation(double steps) : kept(std::exp(-steps)), noise(std::sqrt((1.0 - kept) * (1.0 + kept))) {}
-  double kept, noise;
-};
-
-class FluidSeen final : public AirAlongPath {
+/// The energy in the terms of the Langevin equation, lane by lane. Where it is that of the last time, so are they.
+class FluidLanes {
  public:
-  FluidSeen(const TurbulentFlow& flow, std::uint64_t seed, const SeenOptions& options, std::uint64_t number,
-            bool mirrored)
-      : flow_(flow),
-        options_(options),
-        gusts_(seed, number, mirrored, kGustNoise),
-        spins_(seed, number, mirrored, kSpinNoise) {}
+  FluidLanes(const TurbulentFlow& flow, const SeenOptions& options, Eigen::Index lanes)
+      : fluid_(lanes), flow_(flow), options_(options), of_(static_cast<std::size_t>(lanes)) {}
 
-  AirSeen start(const BodyOnPath& body) override {
-    w_ = gusts_.next();
-    if (options_.rotation) spin_ = spins_.next();
-    const Turbulence here = flow_.turbulence(body.t, body.position);
-    has_gradient_ = !here.sigma_gradient.isZero(0.0);
-    at_once_ = bounded(body.follows);
-    mean_u_r_ = body.axes.cwiseProduct(body.velocity - flow_.sample(body.t, body.position).velocity);
-    return seen_at(body.t, body.position, here);
+  /// The fluid where bodies that fly are, before a step of length h [s].
+  const FluidByLane& at(double t, const VectorsByLane& places, const Eigen::ArrayXd& flies, double h) {
+    if (flow_.is_uniform()) {
+      set_all(flow_.turbulence(t, Eigen::Vector3d::Zero()), flow_.sample(t, Eigen::Vector3d::Zero()), h);
+      return fluid_;
+    }
+    for (Eigen::Index lane = 0; lane < places.rows(); ++lane) {
+      if (!(flies[lane] > 0.0)) continue;
+      const Eigen::Vector3d place = places.row(lane);
+      const Turbulence energy = flow_.turbulence(t, place);
+      const AmbientSample mean = flow_.sample(t, place);
+      set_energy(lane, energy, h);
+      fluid_.sigma_gradient.row(lane) = energy.sigma_gradient;
+      fluid_.mean.row(lane) = mean.velocity;
+      fluid_.mean_gradient.row(lane) = mean.gradient.reshaped();
+      fluid_.inside[lane] = energy.inside ? 1.0 : 0.0;
+    }
+    return fluid_;
   }
-
-  AirSeen step(const BodyOnPath& body, double h) override {
-    const double t = body.t + 0.5 * h;
-    const Eigen::Vector3d middle = body.position + 0.5 * h * body.velocity;
-    const Turbulence energy = flow_.turbulence(t, middle);
-    const LangevinScales scales = scales_of(energy);
-    has_gradient_ = !energy.sigma_gradient.isZero(0.0);
-    const double sigma = attenuated(scales);
-    const Eigen::Vector3d before = w_;
-    move_gust(body, h, energy, scales, sigma);
-    if (options_.rotation && energy.k > 0.0) move_spin(h, energy.epsilon);
-    const AmbientSample mean = flow_.sample(t, middle);
-    // The body's own change of velocity by this gust moves it, too: without it what the fluid carries does not stay mixed.
-    const Eigen::Vector3d change = mean.velocity + sigma * w_ - body.air;
-    const Eigen::Vector3d end = body.position_after(h, change);
-    AirSeen seen = seen_at(body.t + h, end, flow_.turbulence(body.t + h, end));
-    // Along the path of the fluid, too, its deviation changes.
-    seen.gradient = mean.gradient;
-    if (has_gradient_ && scales.sigma > 0.0)
-      seen.gradient += 0.5 * sigma / scales.sigma * (before + w_) * energy.sigma_gradient.transpose();
-    seen.time_scale =
-        std::min(shortest_time_, scales.time_scale(energy.sigma_gradient, body.velocity.norm()));
-    return seen;
-  }
-
-  bool needs_response() const override { return has_gradient_; }
 
  private:
-  /// Where the energy is the same as at the last place, so are they.
-  const LangevinScales& scales_of(const Turbulence& energy) {
-    if (energy.k != of_.k || energy.epsilon != of_.epsilon) {
-      of_ = energy;
-      scales_ = LangevinScales(energy, options_);
+  /// Of a flow that is the same everywhere: what is of one lane is of all.
+  void set_all(const Turbulence& energy, const AmbientSample& mean, double h) {
+    const bool is_known = energy.k == of_[0].k && energy.epsilon == of_[0].epsilon && h == h_ &&
+                          mean.velocity == mean_ && (fluid_.inside[0] > 0.0) == energy.inside;
+    if (is_known) return;
+    set_energy(0, energy, h);
+    for (Eigen::ArrayXd* row : {&fluid_.sigma, &fluid_.sigma_seen, &fluid_.T, &fluid_.crossing, &fluid_.steps,
+                                &fluid_.blend, &fluid_.eddy_rate})
+      row->setConstant((*row)[0]);
+    fluid_.mean.rowwise() = mean.velocity.transpose().array();
+    fluid_.inside.setConstant(energy.inside ? 1.0 : 0.0);
+    h_ = h;
+    mean_ = mean.velocity;
+  }
+
+  void set_energy(Eigen::Index lane, const Turbulence& energy, double h) {
+    Turbulence& of = of_[static_cast<std::size_t>(lane)];
+    if (energy.k != of.k || energy.epsilon != of.epsilon) {
+      of = energy;
+      const LangevinScales scales(energy, options_);
+      const bool moves = scales.sigma > 0.0;
+      fluid_.sigma[lane] = scales.sigma;
+      fluid_.sigma_seen[lane] = attenuated(scales);
+      fluid_.T[lane] = scales.T;
+      fluid_.crossing[lane] = options_.crossing && moves ? 0.565 * 6.0 / (scales.C_0 * scales.sigma) : 0.0;
+      fluid_.eddy_rate[lane] = options_.rotation && energy.k > 0.0 ? eddy_rate(energy.epsilon) : 0.0;
     }
-    return scales_;
+    if (const double steps = h / fluid_.T[lane]; steps != fluid_.steps[lane]) {
+      fluid_.steps[lane] = steps;
+      fluid_.blend[lane] = -std::expm1(-steps / kTimesOfMean);
+    }
   }
 
   /// sigma of what the body sees of it.
-  double attenuated(const LangevinScales& scales) {
+  double attenuated(const LangevinScales& scales) const {
     if (options_.radius == 0.0 || !(scales.L > 0.0)) return scales.sigma;
-    const double ratio = options_.radius / scales.L;
-    if (ratio != ratio_) {
-      ratio_ = ratio;
-      left_ = std::sqrt(disc_attenuation(ratio));
-    }
-    return scales.sigma * left_;
-  }
-
-  AirSeen seen_at(double t, const Eigen::Vector3d& position, const Turbulence& energy) {
-    AirSeen seen;
-    seen.velocity = flow_.sample(t, position).velocity + attenuated(scales_of(energy)) * w_;
-    if (options_.rotation && energy.k > 0.0) seen.rotation = 0.99 * eddy_rate(energy.epsilon) * spin_;
-    seen.inside = energy.inside;
-    return seen;
-  }
-
-  void move_gust(const BodyOnPath& body, double h, const Turbulence& energy, const LangevinScales& scales,
-                 double sigma) {
-    shortest_time_ = scales.T;
-    if (!(scales.sigma > 0.0)) return;  // still fluid keeps w for where it is not
-    if (h / scales.T != blend_steps_) {
-      blend_steps_ = h / scales.T;
-      blend_ = -std::expm1(-blend_steps_ / kTimesOfMean);
-    }
-    mean_u_r_ += blend_ * (body.velocity - body.air - mean_u_r_);
-    const double speed = mean_u_r_.norm();
-    const double b = 0.565 * 6.0 / scales.C_0;
-    const double bs = options_.crossing ? b * speed / scales.sigma : 0.0;
-    const double shorter_along = std::sqrt(1.0 + bs * bs), shorter_across = std::sqrt(1.0 + 4.0 * bs * bs);
-    const double T_along = scales.T / shorter_along, T_across = scales.T / shorter_across;
-    shortest_time_ = T_across;
-    const Relaxation along(blend_steps_ * shorter_along), across(blend_steps_ * shorter_across);
-    Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
-    if (speed > 0.0) axis = mean_u_r_ / speed;
-    const Eigen::Vector3d xi = gusts_.next();
-    Eigen::Vector3d next = across.kept * w_ + across.noise * xi;
-    next += ((along.kept - across.kept) * axis.dot(w_) + (along.noise - across.noise) * axis.dot(xi)) * axis;
-    if (has_gradient_) {
-      const Eigen::Vector3d drift = sigma / scales.sigma * drift_of(body, scales.T, energy.sigma_gradient);
-      next += (1.0 - across.kept) * T_across * drift;
-      next += ((1.0 - along.kept) * T_along - (1.0 - across.kept) * T_across) * axis.dot(drift) * axis;
-    }
-    w_ = next;
-  }
-
-  /// The drift is that of the fluid's own particles: a body has of it what it follows at once, and of the rest what its
-  /// drag follows in the time of an eddy (P. A. Bocksell, E. Loth, Int. J. Multiphase Flow 32 (2006) 1234-1253).
-  Eigen::Vector3d drift_of(const BodyOnPath& body, double T, const Eigen::Vector3d& gradient) const {
-    const Eigen::Vector3d at_once = body.attitude * (at_once_ * (body.attitude.transpose() * gradient));
-    return at_once + (gradient - at_once) / (1.0 + body.response_time / T);
-  }
-
-  /// A body that overtakes the fluid, as a bubble does, has the drift of the fluid and no more.
-  static Eigen::Matrix3d bounded(const Eigen::Matrix3d& follows) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-    axes.computeDirect(0.5 * (follows + follows.transpose()));
-    const Eigen::Vector3d shares = axes.eigenvalues().cwiseMax(0.0).cwiseMin(1.0);
-    return axes.eigenvectors() * shares.asDiagonal() * axes.eigenvectors().transpose();
-  }
-
-  void move_spin(double h, double epsilon) {
-    const Relaxation spin(h * eddy_rate(epsilon));
-    spin_ = spin.kept * spin_ + spin.noise * spins_.next();
+    return scales.sigma * std::sqrt(disc_attenuation(options_.radius / scales.L));
   }
 
   /// (epsilon/l^2)^(1/3)
@@ -180,21 +131,80 @@ class FluidSeen final : public AirAlongPath {
     return std::cbrt(epsilon / (length * length));
   }
 
+  FluidByLane fluid_;
   const TurbulentFlow& flow_;
   SeenOptions options_;
-  NoiseAhead gusts_, spins_;
-  Eigen::Vector3d w_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d spin_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d at_once_ =
-      Eigen::Matrix3d::Zero();  ///< BodyOnPath::follows, between 0 and 1 along its axes
-  /// Relative to the fluid seen, averaged over ten times an eddy's: what a particle of the fluid has is zero.
-  Eigen::Vector3d mean_u_r_ = Eigen::Vector3d::Zero();
-  Turbulence of_ = {};  ///< what the scales are of
-  LangevinScales scales_{of_, options_};
-  double blend_steps_ = 0.0, blend_ = 0.0;  ///< weight of a step in that average, by h/T
-  double ratio_ = 0.0, left_ = 1.0;         ///< radius over scale, and the share of sigma that is left of it
-  double shortest_time_ = 0.0;
-  bool has_gradient_ = false;
+  std::vector<Turbulence> of_;  ///< what the scales are of
+  double h_ = -1.0;             ///< of a flow that is the same everywhere: the last step and mean velocity
+  Eigen::Vector3d mean_ = Eigen::Vector3d::Zero();
+};
+
+class FluidSeen final : public AirAlongPaths {
+ public:
+  FluidSeen(const TurbulentFlow& flow, std::uint64_t seed, const SeenOptions& options,
+            std::span<const Draw> draws, Eigen::Index lanes)
+      : options_(options),
+        gusts_(seed, draws, lanes, kGustNoise),
+        spins_(seed, draws, lanes, kSpinNoise),
+        middle_(flow, options, lanes),
+        end_(flow, options, lanes),
+        varies_(!flow.is_uniform()),
+        steps_(lanes, varies_, options.rotation) {}
+
+  void start(const BodiesOnPath& bodies, AirsSeen& seen) override {
+    const FluidByLane& here = middle_.at(bodies.t, bodies.position, bodies.flies, 0.0);
+    const VectorsByLane& noise = gusts_.next();
+    steps_.start(bodies, here, noise, spin_noise());
+    steps_.tell(here, seen);
+    say_gradients(here, seen);
+  }
+
+  void step(const BodiesOnPath& bodies, double h, AirsSeen& seen) override {
+    if (varies_) places_ = bodies.position + 0.5 * h * bodies.velocity;
+    const FluidByLane& middle = middle_.at(bodies.t + 0.5 * h, places_, bodies.flies, h);
+    const VectorsByLane& noise = gusts_.next();
+    steps_.move(bodies, h, middle, noise, spin_noise());
+    steps_.tell(end_.at(bodies.t + h, steps_.places(), bodies.flies, h), seen);
+    say_gradients(middle, seen);
+  }
+
+ private:
+  /// The drift is in proportion to them, and a body has its share of it.
+  void say_gradients(const FluidByLane& fluid, AirsSeen& seen) const {
+    if (varies_) seen.needs_response = (fluid.sigma_gradient != 0.0).rowwise().any().cast<double>();
+  }
+  const VectorsByLane& spin_noise() { return options_.rotation ? spins_.next() : none_; }
+
+  SeenOptions options_;
+  NoiseByLane gusts_, spins_;
+  FluidLanes middle_, end_;
+  bool varies_;
+  SeenSteps steps_;
+  VectorsByLane places_, none_;
+};
+
+/// One alone.
+class FluidSeenByOne final : public AirAlongPath {
+ public:
+  FluidSeenByOne(const TurbulentFlow& flow, std::uint64_t seed, const SeenOptions& options, const Draw& draw)
+      : path_(flow, seed, options, std::span(&draw, 1), 1), body_(1), seen_(1) {}
+
+  AirSeen start(const BodyOnPath& body) override {
+    body_.set(0, body);
+    path_.start(body_, seen_);
+    return seen_.seen(0);
+  }
+  AirSeen step(const BodyOnPath& body, double h) override {
+    body_.set(0, body);
+    path_.step(body_, h, seen_);
+    return seen_.seen(0);
+  }
+  bool needs_response() const override { return seen_.needs_response[0] > 0.0; }
+
+ private:
+  FluidSeen path_;
+  BodiesOnPath body_;
+  AirsSeen seen_;
 };
 
 class FluidSeenSource final : public AirSource {
@@ -203,7 +213,11 @@ class FluidSeenSource final : public AirSource {
       : flow_(std::move(flow)), seed_(seed), options_(options) {}
 
   std::unique_ptr<AirAlongPath> realisation(std::uint64_t number, bool mirrored) const override {
-    return std::make_unique<FluidSeen>(*flow_, seed_, options_, number, mirrored);
+    return std::make_unique<FluidSeenByOne>(*flow_, seed_, options_, Draw{number, mirrored});
+  }
+  std::unique_ptr<AirAlongPaths> side_by_side(std::span<const Draw> draws,
+                                              Eigen::Index lanes) const override {
+    return std::make_unique<FluidSeen>(*flow_, seed_, options_, draws, lanes);
   }
 
  private:

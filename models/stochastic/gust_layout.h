@@ -39,10 +39,16 @@ class GustLayout {
   Eigen::Vector3d axes() const { return {1.0, space_ == Space::plane ? 0.0 : 1.0, 1.0}; }
   /// Of the place, in the order of the model: x, y, z, or x, y. The last one is the height.
   const std::vector<int>& position() const { return position_; }
+  /// Of the velocity, in the order of the model, in body axes where there is an attitude.
+  const std::vector<int>& velocity() const { return velocity_; }
   /// Of the angular velocity.
   const std::vector<int>& rotation() const { return rotation_; }
+  /// Of the first number of the quaternion, or of theta; -1: there is no attitude.
+  int attitude() const { return attitude_; }
   /// All of them.
   const std::vector<std::string>& parameter_names() const { return names_; }
+  /// Their indices, in the order above.
+  const std::vector<int>& parameters() const { return parameters_; }
 
   /// Place, velocity and attitude in the world; the rest of `motion` stays.
   /// @param state of which state(i) gives state i

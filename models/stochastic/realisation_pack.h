@@ -36,12 +36,16 @@ struct RealisationRecord {
   Eigen::VectorXd displacement;
   Eigen::MatrixXd chosen;  ///< times x chosen states; NaN after its end
   Eigen::MatrixXd all;     ///< times x states, where it is kept
-  StepCounts steps;
+};
+
+/// What became of several.
+struct FlownRealisations {
+  std::vector<RealisationRecord> records;  ///< in order; empty if it was cancelled
+  StepCounts steps;                        ///< of all
 };
 
 /// Flies realisations first to last - 1 side by side. Keeps the trajectories of those with numbers below `keep`.
-/// @returns their records, in order; empty if it was cancelled
-std::vector<RealisationRecord> fly_realisations(const RealisationPlan& plan, long first, long last, long keep,
-                                                SharedProgress& progress);
+FlownRealisations fly_realisations(const RealisationPlan& plan, long first, long last, long keep,
+                                   SharedProgress& progress);
 
 }  // namespace samara::models

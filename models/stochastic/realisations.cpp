@@ -148,7 +148,6 @@ EnsembleSums sums_of(const RealisationPlan& plan, std::vector<RealisationRecord>
   for (const RealisationRecord& record : records) {
     const Eigen::VectorXd way = displacement(record);
     if (way.size() > 0) sums.way.add(Eigen::VectorXd::Constant(1, way.squaredNorm()));
-    sums.steps.merge(record.steps);
   }
   return sums;
 }
@@ -176,11 +175,13 @@ bool run_wave(const RealisationPlan& plan, long first, long last, const RealiseO
     parallel_for(tasks, [&](long task) {
       const long from = first + task * kGroup;
       const long to = std::min(last, from + kGroup);
-      std::vector<RealisationRecord> records = fly_realisations(
-          plan, options.first + from, options.first + to, options.first + options.keep, progress);
-      if (records.empty()) return;
-      EnsembleSums of_task = sums_of(plan, records);
-      results[static_cast<std::size_t>(task)] = {.records = std::move(records), .sums = std::move(of_task)};
+      FlownRealisations flown = fly_realisations(plan, options.first + from, options.first + to,
+                                                 options.first + options.keep, progress);
+      if (flown.records.empty()) return;
+      EnsembleSums of_task = sums_of(plan, flown.records);
+      of_task.steps = flown.steps;
+      results[static_cast<std::size_t>(task)] = {.records = std::move(flown.records),
+                                                 .sums = std::move(of_task)};
       progress.count();
     });
   });

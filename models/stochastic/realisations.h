@@ -16,8 +16,8 @@
 ///   const ParametricModel leaf(find_model("immersed_body_in_gusts"), values, {});
 ///   const Ensemble cloud = realise(leaf, {}, *fluid_seen_in(uniform_turbulence(0.3, 0.2), 7), times, {.ground = 0.0});
 ///
-/// Bodies fly side by side in the lanes of SIMD registers, packs of them shared between threads. A realisation has the
-/// same bits alone, among others, on any number of threads and after resume(); another processor or
+/// Bodies fly side by side in the lanes of SIMD registers, and so do their gusts; packs of them are shared between threads.
+/// A realisation has the same bits alone, among others, on any number of threads and after resume(); another processor or
 /// library of mathematics may change last digits, and where flights tumble that is another sample.
 namespace samara::models {
 

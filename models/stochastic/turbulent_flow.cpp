@@ -51,6 +51,7 @@ class UniformTurbulence final : public TurbulentFlow {
     return {.k = k_, .epsilon = epsilon_};
   }
   double length() const override { return 1.0; }  // nothing changes over any way
+  bool is_uniform() const override { return true; }
 
  private:
   double k_, epsilon_;

@@ -28,6 +28,9 @@ class TurbulentFlow : public AmbientFlow {
   /// @returns k >= 0, epsilon > 0 wherever k > 0; both finite wherever `inside`. Realisations that come to anything
   ///   else end as not_finite.
   virtual Turbulence turbulence(double t, const Eigen::Vector3d& position) const = 0;
+
+  /// Whether mean and energy are the same at every place, without gradients: they are then asked for once for all bodies.
+  virtual bool is_uniform() const { return false; }
 };
 
 /// Decay without a stream and without production: k = k_0 X^(-1/(C_2-1)), epsilon = epsilon_0 X^(-C_2/(C_2-1)),
