@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "samara/models/batch/law_kernel.h"
 #include "samara/models/laws/reynolds.h"
 #include "samara/models/laws/rigid_body.h"
 
@@ -23,6 +24,21 @@
 /// to it. One chord for both, along the tangential velocity (velocity_chord = 1), agrees in the plane but dips
 /// from 2a to 2 sqrt(a b) within a fraction of a millisecond whenever that velocity passes zero.
 namespace samara::models::laws {
+
+/// Whether a number is zero in all lanes, with all its tangents: what it would be multiplied by need not be computed.
+inline bool vanishes(double x) {
+  return x == 0.0;
+}
+inline bool vanishes(const Pack& x) {
+  return std::experimental::all_of(x == Pack(0.0));
+}
+template <class S, int K>
+bool vanishes(const Dual<S, K>& x) {
+  for (const S& tangent : x.v) {
+    if (!vanishes(tangent)) return false;
+  }
+  return vanishes(x.a);
+}
 
 template <class S>
 struct QuasiSteadyBody {
@@ -77,7 +93,9 @@ S chord_along(const S& a, const S& b, const Vector3<S>& u, const S& floor) {
 /// (l_x w_x, l_y w_y, 0), each rate times the chord that it turns: its circulation over C_R/2. [m rad/s]
 template <class S>
 Vector3<S> rates_of_chords(const QuasiSteadyBody<S>& body, const Vector3<S>& u, const Vector3<S>& w) {
-  const S along = body.velocity_chord * chord_along(body.a, body.b, u, body.speed_floor);
+  S along(0.0);
+  if (!vanishes(body.velocity_chord))
+    along = body.velocity_chord * chord_along(body.a, body.b, u, body.speed_floor);
   const S by_axis = S(2.0) * (S(1.0) - body.velocity_chord);
   return {(by_axis * body.b + along) * w.x, (by_axis * body.a + along) * w.y, S(0.0)};
 }
@@ -88,6 +106,7 @@ template <class S>
 Vector3<S> centre_of_pressure(const QuasiSteadyBody<S>& body, const Vector3<S>& u) {
   using std::abs;
   using std::sqrt;
+  if (vanishes(body.centre_of_pressure)) return {};
   const S sin_alpha = abs(u.z) / smooth_norm(u, body.speed_floor);
   const Tangential<S> tangential(body.a, body.b, u, body.speed_floor);
   const S size = body.centre_of_pressure * (S(1.0) - sin_alpha * sin_alpha * sin_alpha) * S(0.5) * body.a *
@@ -104,8 +123,11 @@ Vector3<S> damping_torque(const QuasiSteadyBody<S>& body, const Vector3<S>& w) {
   const S w_y2 = w.y * w.y;
   const S rim = body.isotropy * sqrt(b * b * w_x2 + a * a * w_y2 + a * b * floor_2);
   const S alone = S(1.0) - body.isotropy;
-  const S s_x = rim + alone * b * sqrt(w_x2 + floor_2);
-  const S s_y = rim + alone * a * sqrt(w_y2 + floor_2);
+  S s_x = rim, s_y = rim;
+  if (!vanishes(alone)) {
+    s_x = rim + alone * b * sqrt(w_x2 + floor_2);
+    s_y = rim + alone * a * sqrt(w_y2 + floor_2);
+  }
   const S k = S(0.5 * 8.0 / 15.0) * body.fluid_density * body.C_w * a * b;
   const Vector3<S>& linear = body.linear_damping;
   return {-(k * b * b * s_x + linear.x) * w.x, -(k * a * a * s_y + linear.y) * w.y, -linear.z * w.z};
@@ -123,7 +145,8 @@ QuasiSteadyLoads<S> quasi_steady_loads(const QuasiSteadyBody<S>& body, const Vec
   const S U = smooth_norm(u_p, body.speed_floor);
   const S one_over_U = S(1.0) / U;
   const S of_drag = drag_speed(U, body.Re.drag) * one_over_U;
-  const S of_lift = U / (U + body.Re.lift);
+  S of_lift(1.0);
+  if (!vanishes(body.Re.lift)) of_lift = U / (U + body.Re.lift);
   const S rho_A = S(std::numbers::pi) * body.fluid_density * body.a * body.b;
 
   const S tangential = u_p.x * u_p.x + u_p.y * u_p.y;
