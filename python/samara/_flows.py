@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Optional, Union
@@ -140,12 +141,14 @@ class Turbulence:
 @dataclass(frozen=True, eq=False)
 class Wake:
     """The mean flow and the energy of a flow, of the size and at the place that is said: U [m/s], the body's length [m],
-    the centre of its body [m]."""
+    the centre of its body [m]. What leaves its grid ends there as ``left_flow`` (``outside="end"``), or flies on in the stream
+    as it flows in (``"stream"``)."""
 
     flow: Flow
     speed: Quantity
     length: Quantity
     place: Sequence[float] = (0.0, 0.0, 0.0)
+    outside: str = "end"
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,8 +259,11 @@ def realise(
         "body_radius": radius,
         "rotation": bool(rotation),
     }
+    told_air = _air(air, radius)
+    if isinstance(air, Wake) and air.flow.summary["status"] == "max_time":
+        warnings.warn(f"the flow was not finished: {air.flow.summary['message']}", stacklevel=2)
     with Reported(progress) as report:
-        told = _core.realise(core_model(model), values, frames.tolist(), _air(air, radius), options, report)
+        told = _core.realise(core_model(model), values, frames.tolist(), told_air, options, report)
     told["status"] = np.array(told["status"], dtype=str)
     told["half_turns"] = np.array(told["half_turns"], dtype=np.int64)
     return Cloud(**told)
@@ -267,12 +273,15 @@ def _air(air: Union[Wind, Wake, Turbulence], radius: Optional[float]) -> dict[st
     if isinstance(air, Wind):
         return {"kind": "wind", "file": air.path, "radius": radius}
     if isinstance(air, Wake):
+        if air.outside not in ("end", "stream"):
+            raise ArgumentError(f"outside is {air.outside!r}, expected 'end' or 'stream'")
         return {
             "kind": "flow",
             "flow": air.flow._core,
             "speed": one_si(air.speed, "m/s", "speed"),
             "length": one_si(air.length, "m", "length"),
             "place": _triple(air.place, "place"),
+            "stream_beyond": air.outside == "stream",
         }
     if isinstance(air, Turbulence):
         return {

@@ -138,7 +138,7 @@ py::array_t<double> centres_of(const Flow& stored, int direction) {
   return copied(places);
 }
 
-/// The air of a cloud: a wind's file; or a flow's with speed, length and place; or an energy that is the same everywhere.
+/// The air of a cloud: a wind's file; or a flow's with speed, length, place and whether the stream goes on beyond it; or an energy that is the same everywhere.
 std::shared_ptr<const models::AirSource> air_of(const py::dict& given, const models::ParametricModel& model,
                                                 std::uint64_t seed, const models::SeenOptions& seen) {
   const auto kind = given["kind"].cast<std::string>();
@@ -158,7 +158,8 @@ std::shared_ptr<const models::AirSource> air_of(const py::dict& given, const mod
           "the flow is laminar, so that all realisations would be one; one by k-epsilon was expected");
     const flow::FlowPlacement placement = {.speed = given["speed"].cast<double>(),
                                            .length = given["length"].cast<double>(),
-                                           .body = place_of(given["place"].cast<std::vector<double>>())};
+                                           .body = place_of(given["place"].cast<std::vector<double>>()),
+                                           .stream_beyond = given["stream_beyond"].cast<bool>()};
     return models::fluid_seen_in(std::make_shared<flow::FlowView>(stored, placement), seed, seen);
   }
   const auto k = given["k"].cast<double>(), epsilon = given["epsilon"].cast<double>();

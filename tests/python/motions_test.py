@@ -312,8 +312,25 @@ def test_a_flow_is_the_arrays_of_its_file_and_bodies_fly_in_its_wake(tmp_path):
         flow["vorticity"]
     times = np.linspace(0, 0.05, 3)
     values = {"diameter": "4 mm", "mass": "20 mg", "x(0)": 0.2}
-    cloud = samara.realise("sphere_flight_in_gusts", values, times, samara.Wake(flow, "2 m/s", "10 cm"), 16, 3)
+    assert flow.summary["status"] == "max_time"
+    with pytest.warns(UserWarning, match="the flow was not finished: .*max_time"):
+        cloud = samara.realise("sphere_flight_in_gusts", values, times, samara.Wake(flow, "2 m/s", "10 cm"), 16, 3)
     assert cloud.mean.shape == (3, 3) and (cloud.mean_error[-1] > 0).all()
+    # From beyond the grid, which ends 0.3 m above the body.
+    values["z(0)"] = 0.4
+    flown = {}
+    with pytest.warns(UserWarning, match="not finished"):
+        for outside in ("end", "stream"):
+            wake = samara.Wake(flow, "2 m/s", "10 cm", outside=outside)
+            flown[outside] = samara.realise("sphere_flight_in_gusts", values, times, wake, 16, 3)
+    assert set(flown["end"].status) == {"left_flow"} and set(flown["stream"].status) == {"flying"}
+    command("simulate", "sphere_flight_in_gusts", *(x for n, v in values.items() for x in ("--set", f"{n}={v}")), "--until", 0.05,
+            "--frames", 3, "--flow", tmp_path / "wake.h5", "--speed", "2 m/s", "--length", "10 cm", "--outside", "stream",
+            "--realisations", 16, "--seed", 3, "-o", tmp_path / "cloud.h5")
+    with h5py.File(tmp_path / "cloud.h5") as file:
+        np.testing.assert_array_equal(flown["stream"].mean, file["mean"][:])
+    with pytest.raises(samara.ArgumentError, match="outside is 'sides', expected 'end' or 'stream'"):
+        samara.realise("sphere_flight_in_gusts", values, times, samara.Wake(flow, 2, 0.1, outside="sides"), 4)
 
 
 MOTIONS = {
