@@ -16,12 +16,11 @@ struct FluidByLane {
   Eigen::ArrayXd sigma;          ///< deviation of a component [m/s]; 0: still
   Eigen::ArrayXd sigma_seen;     ///< of what a body sees of it [m/s]
   Eigen::ArrayXd T;              ///< of particles of the fluid [s]
-  Eigen::ArrayXd
-      crossing;          ///< b/sigma, for the times of bodies that cross the eddies [s/m]; 0: not asked for
+  Eigen::ArrayXd crossing;       ///< b/sigma, where bodies cross the eddies [s/m]; 0: not asked for
   Eigen::ArrayXd steps;          ///< h/T of the coming step
-  Eigen::ArrayXd blend;  ///< weight of that step in the mean relative velocity
-  Eigen::ArrayXd eddy_rate;  ///< of a rotational gust [1/s]; 0: there is none
-  Eigen::ArrayXd inside;     ///< 1, or 0 beyond the flow
+  Eigen::ArrayXd blend;          ///< weight of that step in the mean relative velocity
+  Eigen::ArrayXd eddy_rate;      ///< of a rotational gust [1/s]; 0: there is none
+  Eigen::ArrayXd inside;         ///< 1, or 0 beyond the flow
 };
 
 /// The gusts of the fluid that bodies side by side see, step by step (fluid_seen.h says by which equations).
