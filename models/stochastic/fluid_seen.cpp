@@ -231,7 +231,9 @@ class FluidSeenSource final : public AirSource {
 double structure_constant(double Re_lambda) {
   require_not_negative(Re_lambda, "Re_lambda");
   if (Re_lambda == 0.0) return 0.0;
-  return 6.5 * std::pow(1.0 + 140.0 * std::pow(Re_lambda, -4.0 / 3.0), -0.75);
+  // By roots, which cost less than powers: flows that vary ask twice in a step.
+  const double base = 1.0 + 140.0 / (Re_lambda * std::cbrt(Re_lambda)), root = std::sqrt(base);
+  return 6.5 / (root * std::sqrt(root));
 }
 
 LangevinStep::LangevinStep(double steps) {
