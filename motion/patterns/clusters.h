@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 /// Clusters of points, to find kinds within a pattern. They are no patterns: which clusters come out hangs on which
-/// features go in and how they are scaled (docs/patterns.md).
+/// features go in and how they are scaled (docs/explanation/pattern_names.md).
 namespace samara::motion {
 
 struct ClusterOptions {

@@ -17,7 +17,7 @@
 /// periodic motion with full turns between swings. From positions alone, sway stands for the tilt and reversals of
 /// the horizontal velocity for half turns; autorotation walks straight on.
 ///
-/// Evidence, and what the rule confuses: docs/patterns.md.
+/// Evidence, and what the rule confuses: docs/explanation/pattern_names.md.
 namespace samara::motion {
 
 enum class Pattern { steady, zigzag, autorotation, chaotic, spiral, helix, mixed, unresolved };

@@ -4,7 +4,7 @@
 
 #include "samara/motion/sweeps/sweep.h"
 
-/// Sweeps as HDF5 files, "samara-sweep" 0.1: plain groups and datasets, see docs/patterns.md.
+/// Sweeps as HDF5 files, "samara-sweep" 0.1: plain groups and datasets, see docs/reference/sweep.md.
 namespace samara::motion {
 
 /// @throws ArgumentError if the file cannot be written.

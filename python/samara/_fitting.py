@@ -288,7 +288,7 @@ def fit(
     :param source: a codebook, or its file; a model: a name, a file of equations, or a ``Model``
     :param captures: files (tables, or sidecars), or pandas.DataFrames with columns as ``t[s]``, ``x[m]``, or a mapping
         of id to frame, or of id to a mapping of such columns; one of them, or several
-    :param config: a file, or a dictionary with the same keys (docs/captures.md)
+    :param config: a file, or a dictionary with the same keys (docs/reference/fit_config.md)
     :param span: of each capture, from its first frame
     :param left_out: files of captures to predict, ``ahead`` of what is seen of them
     :param coefficients: JSON of another fit, where this one begins

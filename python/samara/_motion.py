@@ -1,4 +1,4 @@
-"""Patterns of falling: records, features, labels (docs/patterns.md)."""
+"""Patterns of falling: records, features, labels (docs/explanation/pattern_names.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Beside the rule: a person's labels, clusters, and how far two labellings agree (docs/patterns.md)."""
+"""Beside the rule: a person's labels, clusters, and how far two labellings agree (docs/filmed_patterns.md)."""
 
 from __future__ import annotations
 

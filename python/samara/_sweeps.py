@@ -1,4 +1,4 @@
-"""Sweeps: thousands of falls over a box, and the map of their patterns (docs/patterns.md)."""
+"""Sweeps: thousands of falls over a box, and the map of their patterns (docs/pattern_maps.md)."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def sweep(
 ) -> Sweep:
     """Runs the falls of a plan, and its rounds of refining.
 
-    :param plan: a file, or a dictionary with the same keys (docs/patterns.md); its arrays are lists of values
+    :param plan: a file, or a dictionary with the same keys (docs/reference/sweep.md); its arrays are lists of values
     :param progress: as of ``samara.build``; where it ends the work, the sweep holds what was done, and is not ``complete``
     :param checkpoint: a file for finished falls, from which the same call goes on
     :raises InputError: for a plan that cannot be one, and a checkpoint of another plan

@@ -15,7 +15,7 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^```(\w*)( slow| elsewhere)?\n(.*?)^```$", re.M | re.S)
-FILE = re.compile(r"`([\w.]+\.(?:toml|csv|json))`(?:(?!\n\n)[^`])*:\n\n$")
+FILE = re.compile(r"`([\w.]+\.(?:toml|csv|tsv|json|yaml))`(?:(?!\n\n)[^`])*:\n\n$")
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 TOKEN = re.compile(rf"\.\.|{NUMBER}(?:\.\.)?|[A-Za-z_]+|\S")
 CLOSE = 0.02  # digits differ from one machine to another
@@ -31,7 +31,7 @@ def steps(text):
             yield ("left" if is_left else "run"), body
         elif kind == "text":
             yield "see", body
-        elif name and kind in ("toml", "csv", "json"):
+        elif name and kind in ("toml", "csv", "json", "yaml"):
             yield "file", name.group(1), body
 
 

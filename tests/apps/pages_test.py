@@ -35,6 +35,9 @@ PAGES = {
     "StatisticsPage": "docs/statistics.md",
     "FlatFilePage": "docs/flat_file.md",
     "CapturesPage": "docs/captures.md",
+    "CleaningPage": "docs/cleaning.md",
+    "FittingPage": "docs/fitting.md",
+    "PetabPage": "docs/petab.md",
     "FitsPage": "docs/fits.md",
     "UnstableMotionPage": "docs/unstable_motion.md",
     "CamerasPage": "docs/cameras_and_clocks.md",
@@ -48,9 +51,15 @@ PAGES = {
     "MovingBodyPage": "docs/moving_body.md",
     "FlowBooksPage": "docs/flow_books.md",
     "TurbulencePage": "docs/turbulence.md",
+    "WakeFlightsPage": "docs/wake_flights.md",
+    "GustsPage": "docs/explanation/gusts.md",
     "WindPage": "docs/wind.md",
     "WhereALeafLands": "docs/tutorials/where_a_leaf_lands.md",
     "PatternsPage": "docs/patterns.md",
+    "PatternMapsPage": "docs/pattern_maps.md",
+    "FilmedPatternsPage": "docs/filmed_patterns.md",
+    "PatternNamesPage": "docs/explanation/pattern_names.md",
+    "StrategiesPage": "docs/strategies.md",
 }
 
 

@@ -24,7 +24,7 @@ TEST_CASE("the rule on short noisy records says what plates do in the end, and c
   }
   const Agreement both = agreement(ends, labels, static_cast<int>(kPatterns));
   INFO(both.confusion);
-  // Over ten seeds of 1,200 plates: docs/patterns.md. Of 240 the scatter is twice as large.
+  // Over ten seeds of 1,200 plates: docs/explanation/pattern_names.md. Of 240 the scatter is twice as large.
   CHECK(both.share > 0.92);
   CHECK(both.balanced > 0.65);
   CHECK(both.adjusted_rand > 0.82);

@@ -40,11 +40,11 @@ class Excerpts(unittest.TestCase):
 
     def test_own_model(self):
         for name in ["predator_prey.toml", "plan.toml", "counts.toml", "fit.toml", "predator_prey.h", "own_model.cpp", "library.cpp"]:
-            kind = "toml" if name.endswith("toml") else "cpp"
-            self.assertIn(f"```{kind}\n{text('examples/own_model/' + name)}```", text("docs/own_models.md"))
+            kind, page = ("toml", "own_models") if name.endswith("toml") else ("cpp", "compiled_models")
+            self.assertIn(f"```{kind}\n{text('examples/own_model/' + name)}```", text(f"docs/{page}.md"))
 
     def test_sweep_of_the_card(self):
-        self.assertIn(f"```toml\n{text('examples/falling_card/sweep.toml')}```", text("docs/patterns.md"))
+        self.assertIn(f"```toml\n{text('examples/falling_card/sweep.toml')}```", text("docs/pattern_maps.md"))
         self.assertIn(f"```toml\n{text('examples/drawn_fall/motion.toml')}```", text("docs/synthesis.md"))
 
     def test_queries(self):
