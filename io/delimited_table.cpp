@@ -181,7 +181,7 @@ std::string number_complaint(std::string_view cell, const NumberPrefix& number, 
 }  // namespace
 
 DelimitedTable DelimitedTable::read(const std::filesystem::path& path, const DelimitedOptions& options) {
-  return parse(read_text_file(path), path.string(), options);
+  return parse(read_text_file(path, {.expected = "a table"}), path.string(), options);
 }
 
 DelimitedTable DelimitedTable::parse(std::string_view text, const std::string& name,

@@ -12,6 +12,7 @@
 #include "samara/io/hdf5_dataset.h"
 #include "samara/io/hdf5_driver.h"
 #include "samara/io/hdf5_library.h"
+#include "samara/io/text_file.h"
 
 namespace samara::io {
 
@@ -21,8 +22,18 @@ using hdf5::Source;
 
 namespace {
 
+/// What begins so, as far as it shows: " but a text".
+std::string what_it_is(std::string_view beginning) {
+  std::string kind = binary_kind(beginning);
+  const auto is_printed = [](char c) {
+    return (c >= ' ' && c != 127) || c == '\n' || c == '\t' || c == '\r' || c < 0;
+  };
+  if (kind.empty() && !beginning.empty() && std::ranges::all_of(beginning, is_printed)) kind = "a text";
+  return kind.empty() ? "" : " but " + kind;
+}
+
 /// Looks at the first bytes before the library does, and returns the size of the file.
-std::uint64_t check_beginning(const std::filesystem::path& path) {
+std::uint64_t check_beginning(const std::filesystem::path& path, const std::string& expected) {
   const std::string name = path.string();
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
@@ -35,8 +46,11 @@ std::uint64_t check_beginning(const std::filesystem::path& path) {
   std::array<char, kShortest> head = {};
   stream.read(head.data(), kShortest);
   constexpr std::string_view kSignature("\x89HDF\r\n\x1a\n", 8);
-  if (!std::string_view(head.data(), head.size()).starts_with(kSignature))
-    throw InputError(name, "is not an HDF5 file");
+  const std::string_view beginning(head.data(), static_cast<std::size_t>(stream.gcount()));
+  if (!beginning.starts_with(kSignature)) {
+    throw InputError(name, "is not an HDF5 file" + what_it_is(beginning) +
+                               (expected.empty() ? "" : ", expected " + expected));
+  }
   if (!stream) {
     throw InputError(name,
                      "is truncated: " + std::to_string(bytes) + " bytes are too short for an HDF5 file");
@@ -89,9 +103,9 @@ void check_scalar(const hdf5::File& file, const Source& source) {
 struct Hdf5Reader::Impl {
   hdf5::File file;
 
-  explicit Impl(const std::filesystem::path& path) {
+  Impl(const std::filesystem::path& path, const std::string& expected) {
     file.name = path.string();
-    file.bytes = check_beginning(path);
+    file.bytes = check_beginning(path, expected);
     const Session session;
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
@@ -108,7 +122,8 @@ struct Hdf5Reader::Impl {
   }
 };
 
-Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {}
+Hdf5Reader::Hdf5Reader(const std::filesystem::path& path, const std::string& expected)
+    : impl_(std::make_unique<Impl>(path, expected)) {}
 Hdf5Reader::~Hdf5Reader() = default;
 Hdf5Reader::Hdf5Reader(Hdf5Reader&&) noexcept = default;
 Hdf5Reader& Hdf5Reader::operator=(Hdf5Reader&&) noexcept = default;

@@ -42,8 +42,9 @@ struct Hdf5Block {
 /// ArgumentError for a path with empty names, "." or "..".
 class Hdf5Reader {
  public:
+  /// @param expected what the file should be, in the message of one that is not HDF5: "a codebook"
   /// @throws InputError if the file is missing, a directory, not HDF5, truncated, or without checksums.
-  explicit Hdf5Reader(const std::filesystem::path& path);
+  explicit Hdf5Reader(const std::filesystem::path& path, const std::string& expected = "");
   ~Hdf5Reader();
   Hdf5Reader(Hdf5Reader&&) noexcept;
   Hdf5Reader& operator=(Hdf5Reader&&) noexcept;

@@ -134,7 +134,7 @@ void NumberTable::read_cells(Index row, std::span<std::string_view> cells) const
 }
 
 NumberTable NumberTable::read(const std::filesystem::path& path) {
-  return parse(read_text_file(path), path.string());
+  return parse(read_text_file(path, {.expected = "a table"}), path.string());
 }
 
 InputError NumberTable::error(Eigen::Index row, const std::string& sentence) const {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -40,6 +41,24 @@ void await_data(const std::string& name, int descriptor, double silence) {
 
 }  // namespace
 
+std::string binary_kind(std::string_view beginning) {
+  using namespace std::string_view_literals;
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kKinds = {{
+      {"\x89HDF\r\n\x1a\n"sv, "an HDF5 file, such as a codebook (samara info shows it)"},
+      {"\x89PNG\r\n\x1a\n"sv, "a PNG picture"},
+      {"\xff\xd8\xff"sv, "a JPEG picture"},
+      {"PK\x03\x04"sv, "an archive (zip, npz)"},
+      {"\x93NUMPY"sv, "an array of NumPy"},
+      {"\x1f\x8b"sv, "a file compressed by gzip"},
+      {"glTF"sv, "a glTF scene"},
+      {"%PDF-"sv, "a PDF"},
+  }};
+  for (const auto& [start, kind] : kKinds) {
+    if (beginning.starts_with(start)) return std::string(kind);
+  }
+  return {};
+}
+
 std::string read_text_file(const std::filesystem::path& path, const TextLimits& limits) {
   const std::string name = path.string();
   // Without waiting: opening a pipe that has no writer would never return.
@@ -67,7 +86,10 @@ std::string read_text_file(const std::filesystem::path& path, const TextLimits& 
       continue;
     }
     if (count < 0) throw InputError(name, std::string("cannot be read to its end: ") + std::strerror(errno));
+    const bool is_asked = text.empty() && !limits.expected.empty();
     text.append(block.data(), static_cast<std::size_t>(count));
+    if (const std::string kind = is_asked ? binary_kind(text) : ""; !kind.empty())
+      throw InputError(name, "is " + kind + ", expected " + limits.expected);
     if (text.size() > limits.bytes)
       throw InputError(name, "holds more than " + bytes_text(limits.bytes) + ", expected a shorter text");
   }

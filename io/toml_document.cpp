@@ -1,6 +1,7 @@
 #include "samara/io/toml_document.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -14,11 +15,18 @@
 
 namespace samara::io {
 
+namespace {
+
+constexpr std::string_view kAnyToml = "TOML";  // the default of `expected`
+
+}  // namespace
+
 struct TomlTable::Node {
   std::shared_ptr<const toml::table> document;  // keeps `table` alive
   const toml::table* table = nullptr;
   std::string file;
   std::string path;
+  std::string expected;  // what the file should be
 
   bool is_root() const { return table == document.get(); }
   const toml::node* find(const std::string& key) const { return table->get(key); }
@@ -152,12 +160,63 @@ void check_depth_of_keys(std::string_view text, const std::string& name) {
   }
 }
 
+/// What a text is that is no TOML, where its beginning shows it.
+std::string kind_without_keys(std::string_view text) {
+  std::array<std::string_view, 2> lines;
+  std::size_t count = 0;
+  while (!text.empty() && count < lines.size()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = trimmed(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (!line.empty() && !line.starts_with('#')) lines[count++] = line;
+  }
+  if (lines[0].starts_with('{')) return "JSON";
+  if (lines[0].starts_with('<')) return "a page or a picture (HTML, XML)";
+  if (lines[0].find('=') != std::string_view::npos || lines[0].starts_with('[')) return {};
+  for (const char delimiter : {',', ';', '\t'}) {
+    const auto cells = std::ranges::count(lines[0], delimiter);
+    if (cells > 0 && std::ranges::count(lines[1], delimiter) == cells) return "a table";
+  }
+  return {};
+}
+
+/// Keys by which whole files of one kind are told from those of others.
+struct KindOfFile {
+  std::string_view name;
+  std::array<std::string_view, 6> keys;
+};
+constexpr std::array<KindOfFile, 8> kKinds = {{
+    {"a plan of a codebook", {"time", "builder", "command", "equations"}},
+    {"a config of a fit", {"loss", "cluster_by", "noise", "shared", "per_capture", "prediction"}},
+    {"a sidecar", {"columns", "group_by", "frame_rate", "scale", "clean", "length_unit"}},
+    {"a model", {"states", "rates"}},
+    {"a plan of a sweep", {"axes", "releases", "run"}},
+    {"a plan of a flow", {"flow"}},
+    {"a wind", {"mean", "gusts"}},
+    {"a motion to plan", {"release", "landing", "database", "sequence"}},
+}};
+
+/// The kind that most of the keys tell of; `expected` where others have no more. Empty where none tells of any.
+std::string kind_by_keys(const std::vector<std::string>& keys, const std::string& expected) {
+  std::string_view best;
+  std::ptrdiff_t most = 0;
+  for (const KindOfFile& kind : kKinds) {
+    const auto count = std::ranges::count_if(
+        keys, [&](const std::string& key) { return std::ranges::count(kind.keys, key) > 0; });
+    if (count > most || (count > 0 && count == most && kind.name == expected)) {
+      best = kind.name;
+      most = count;
+    }
+  }
+  return std::string(best);
+}
+
 }  // namespace
 
 std::shared_ptr<const TomlTable::Node> TomlTable::Node::below(const toml::table& child,
                                                               const std::string& name) const {
   const std::string parent = path.empty() ? "" : path.substr(1, path.size() - 2) + ".";
-  return std::make_shared<const Node>(Node{document, &child, file, "[" + parent + name + "]"});
+  return std::make_shared<const Node>(Node{document, &child, file, "[" + parent + name + "]", expected});
 }
 
 InputError TomlTable::Node::error(int line_number, const std::string& key,
@@ -171,17 +230,19 @@ const toml::node& TomlTable::Node::require(const std::string& key) const {
   throw error(line(), key, "the key is missing");
 }
 
-TomlTable TomlTable::read(const std::filesystem::path& path) {
-  return parse(read_text_file(path), path.string());
+TomlTable TomlTable::read(const std::filesystem::path& path, const std::string& expected) {
+  return parse(read_text_file(path, {.expected = expected}), path.string(), expected);
 }
 
-TomlTable TomlTable::parse(std::string_view text, const std::string& name) {
+TomlTable TomlTable::parse(std::string_view text, const std::string& name, const std::string& expected) {
   check_depth_of_keys(text, name);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, name));
     const toml::table* root = document.get();
-    return TomlTable(std::make_shared<const Node>(Node{std::move(document), root, name, ""}));
+    return TomlTable(std::make_shared<const Node>(Node{std::move(document), root, name, "", expected}));
   } catch (const toml::parse_error& error) {
+    if (const std::string kind = kind_without_keys(text); !kind.empty())
+      throw InputError(name, "is " + kind + ", expected " + expected);
     throw InputError(name, static_cast<int>(error.source().begin.line),
                      "not valid TOML: " + with_full_stop_removed(error.description()));
   }
@@ -225,6 +286,9 @@ std::vector<std::string> TomlTable::keys() const {
 void TomlTable::expect_keys(const std::vector<std::string>& known) const {
   for (const std::string& key : keys()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
+      const std::string kind = node_->is_root() ? kind_by_keys(keys(), node_->expected) : "";
+      if (!kind.empty() && kind != node_->expected && node_->expected != kAnyToml)
+        throw InputError(node_->file, "is " + kind + ", expected " + node_->expected);
       throw error(key, "unknown key" + suggestion(key, known));
     }
   }

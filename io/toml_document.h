@@ -28,10 +28,12 @@ namespace samara::io {
 /// they stand.
 class TomlTable {
  public:
-  /// The root table of a file. @throws InputError if it cannot be read or is not TOML.
-  static TomlTable read(const std::filesystem::path& path);
+  /// The root table of a file. @param expected what the file should be, in messages: "a plan"
+  /// @throws InputError if it cannot be read or is not TOML.
+  static TomlTable read(const std::filesystem::path& path, const std::string& expected = "TOML");
   /// The root table of a text. @param name stands for the file in messages.
-  static TomlTable parse(std::string_view text, const std::string& name);
+  static TomlTable parse(std::string_view text, const std::string& name,
+                         const std::string& expected = "TOML");
 
   /// The file, as it was given.
   const std::string& file() const;
@@ -46,7 +48,8 @@ class TomlTable {
   std::string renamed(const std::string& key, const std::string& former) const;
   /// In the order of the file.
   std::vector<std::string> keys() const;
-  /// @throws InputError for the first key that is not in `known`, naming the nearest.
+  /// @throws InputError for the first key that is not in `known`, naming the nearest. Of a root table whose key is
+  /// one of another kind of file, it says of which.
   void expect_keys(const std::vector<std::string>& known) const;
 
   bool is_string(const std::string& key) const;

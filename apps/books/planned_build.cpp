@@ -22,7 +22,8 @@ namespace samara::apps {
 namespace {
 
 std::string plan_text(const BuildArguments& arguments) {
-  return io::read_text_file(arguments.plan == "-" ? "/dev/stdin" : arguments.plan);
+  return io::read_text_file(arguments.plan == "-" ? "/dev/stdin" : arguments.plan,
+                            {.expected = "a plan of a codebook"});
 }
 
 codebooks::PlanChanges changes_of(const BuildArguments& arguments, const std::vector<std::string>& known) {

@@ -59,7 +59,7 @@ struct GivenPoints {
 GivenPoints given_points(const std::string& path, const std::vector<Coordinate>& coordinates) {
   const bool is_stdin = path == "-";
   const std::string file = is_stdin ? "stdin" : path;
-  std::string text = io::read_text_file(is_stdin ? "/dev/stdin" : path);
+  std::string text = io::read_text_file(is_stdin ? "/dev/stdin" : path, {.expected = "a table of points"});
   GivenPoints given{file, io::NumberTable::parse(std::move(text), file), {}};
   std::vector<std::string> known;
   for (const Coordinate& c : coordinates) known.push_back(c.name);

@@ -31,9 +31,10 @@ namespace {
 using io::Hdf5Reader;
 
 void check_version(const Hdf5Reader& file) {
-  if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != format::kFormat) {
-    throw file.error("/",
-                     fmt::format("attribute format is not \"{}\": this is not a codebook", format::kFormat));
+  const std::string kind = file.has_attribute("/", "format") ? file.text_attribute("/", "format") : "";
+  if (kind != format::kFormat) {
+    throw file.error("/", fmt::format("attribute format is {}not \"{}\": this is not a codebook",
+                                      kind.empty() ? "" : fmt::format("\"{}\", ", kind), format::kFormat));
   }
   const std::string version = file.text_attribute("/", "format_version");
   int major = -1;
@@ -171,7 +172,8 @@ ModelDescription read_checked_model(const Hdf5Reader& file) {
 }
 
 Codebook read_book(const std::filesystem::path& path, bool at_once) {
-  const auto shared = std::make_shared<const Hdf5Reader>(path);
+  const auto shared =
+      std::make_shared<const Hdf5Reader>(path, "a codebook, which samara build makes of a plan");
   const Hdf5Reader& file = *shared;
   check_version(file);
   try {

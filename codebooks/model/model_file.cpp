@@ -223,13 +223,17 @@ std::shared_ptr<const models::Model> open_model(const std::string& name_or_file,
     }
     return models::find_model(name_or_file);
   }
-  const TomlTable file = TomlTable::read(folder / name_or_file);
+  const TomlTable file = TomlTable::read(folder / name_or_file, "a model");
   // A plan may hold the equations itself.
   const TomlTable table = file.optional_table("equations").value_or(file);
   if (table.has("columns") || table.has("group_by"))
     throw table.error(table.has("columns") ? "columns" : "group_by",
                       "is that of a sidecar, expected a model or a codebook here");
-  if (table.has("box")) throw table.error("box", "is that of a plan, and the plan holds no [equations]");
+  if (table.has("box"))
+    throw table.error(
+        "box",
+        "is that of a plan, and the plan holds no [equations]; expected a model, or the codebook that "
+        "samara build makes of the plan");
   check_name(table);
   return read_equation_model(table);
 }

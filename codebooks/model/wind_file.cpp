@@ -180,7 +180,7 @@ SeriesKind read_series(const TomlTable& table, const ProfileOptions& mean) {
 }  // namespace
 
 WindFile read_wind(const std::filesystem::path& path) {
-  const TomlTable root = TomlTable::read(path);
+  const TomlTable root = TomlTable::read(path, "a wind");
   root.expect_keys({"mean", "turbulence", "gusts", "series"});
   const TomlTable mean = root.table("mean");
   const ProfileOptions profile = read_profile(mean);

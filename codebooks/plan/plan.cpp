@@ -27,6 +27,8 @@ namespace {
 
 using io::TomlTable;
 
+constexpr const char* kKind = "a plan of a codebook";  // of such a file, in messages
+
 /// A title is shown on terminals and stored in files, one line.
 std::string read_title(const TomlTable& root) {
   std::string title = root.optional_string("title").value_or("");
@@ -165,7 +167,7 @@ models::ParametricModel Plan::parametric_model() const {
 
 Plan parse_plan(const std::string& text, const std::string& name,
                 const std::shared_ptr<const models::Model>& model, const BodyReader& body_reader) {
-  const TomlTable root = TomlTable::parse(text, name);
+  const TomlTable root = TomlTable::parse(text, name, kKind);
   if (root.has("rates") && !root.has("box"))
     throw root.error("rates",
                      "are those of a model, not of a plan: a plan names the file by `model = \"..\"`");
@@ -200,7 +202,7 @@ Plan parse_plan(const std::string& text, const std::string& name,
 }
 
 Plan read_plan(const std::filesystem::path& path, const BodyReader& body_reader) {
-  return parse_plan(io::read_text_file(path), path.string(), {}, body_reader);
+  return parse_plan(io::read_text_file(path, {.expected = kKind}), path.string(), {}, body_reader);
 }
 
 }  // namespace samara::codebooks

@@ -30,7 +30,7 @@ std::string as_toml(const std::string& value) {
 
 /// The interval of an entry that has other keys, too.
 bool has_table(const std::string& text, const std::string& name, const std::string& key) {
-  const io::TomlTable root = io::TomlTable::parse(text, name);
+  const io::TomlTable root = io::TomlTable::parse(text, name, "a plan of a codebook");
   const auto box = root.optional_table("box");
   return box && box->has(key) && box->is_table(key);
 }

@@ -17,6 +17,8 @@ namespace {
 
 using io::TomlTable;
 
+constexpr const char* kKind = "a plan of a flow";  // of such a file, in messages
+
 double positive(const TomlTable& table, const std::string& key, double value) {
   if (value > 0.0) return value;
   throw table.error(key, fmt::format("is {}, expected a positive number", value));
@@ -219,11 +221,11 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
 }  // namespace
 
 FlowPlan read_flow_plan(const std::filesystem::path& path, const MeshReader& mesh_reader) {
-  return parse_flow_plan(io::read_text_file(path), path.string(), mesh_reader);
+  return parse_flow_plan(io::read_text_file(path, {.expected = kKind}), path.string(), mesh_reader);
 }
 
 FlowPlan parse_flow_plan(const std::string& text, const std::string& name, const MeshReader& mesh_reader) {
-  return read(TomlTable::parse(text, name), text, mesh_reader);
+  return read(TomlTable::parse(text, name, kKind), text, mesh_reader);
 }
 
 }  // namespace samara::flow

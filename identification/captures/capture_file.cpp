@@ -1,6 +1,8 @@
 #include "samara/identification/captures/capture_file.h"
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <map>
 #include <numbers>
 
@@ -21,11 +23,26 @@ namespace samara::identification {
 
 namespace {
 
+constexpr const char* kTable = "a table";  // what a capture is, in messages
+
+/// Before a plan that lies beside its codebook is read as the sidecar of a table.
+void check_is_text(const std::filesystem::path& path) {
+  std::array<char, 16> head = {};
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(head.data(), head.size());
+  const std::string kind =
+      io::binary_kind({head.data(), static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0))});
+  if (!kind.empty()) throw InputError(path.string(), fmt::format("is {}, expected {}", kind, kTable));
+}
+
 Sidecar find_sidecar(const std::filesystem::path& path) {
   if (path.extension() == ".toml") return read_sidecar(path);
   const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".toml");
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(beside, ignored)) return read_sidecar(beside, path);
+  if (std::filesystem::is_regular_file(beside, ignored)) {
+    if (std::filesystem::is_regular_file(path, ignored)) check_is_text(path);
+    return read_sidecar(beside, path);
+  }
   return {.table = path};
 }
 
@@ -67,7 +84,7 @@ std::vector<Capture> read_exported(const Export& exported, const Sidecar& sideca
 
 std::vector<Capture> read_table(const Sidecar& sidecar) {
   if (sidecar.document && sidecar.document->has("file")) require_file(sidecar, "", sidecar.table);
-  const std::string text = io::read_text_file(sidecar.table);
+  const std::string text = io::read_text_file(sidecar.table, {.expected = kTable});
   if (sidecar.header.empty()) {
     if (const auto exported = read_export(text, {.file = sidecar.table.string(),
                                                  .length_unit = sidecar.length_unit,

@@ -288,7 +288,7 @@ bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed
 }
 
 Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::path& table) {
-  const TomlTable root = TomlTable::read(path);
+  const TomlTable root = TomlTable::read(path, "a sidecar");
   check_keys(root, table,
              {"file",  "delimiter",  "decimal",        "header",      "columns",   "attitude", "group_by",
               "where", "frame_rate", "least_frames",   "length_unit", "time_unit", "scale",    "start",

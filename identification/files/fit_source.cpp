@@ -109,7 +109,9 @@ struct ConfigText {
 };
 
 std::optional<ConfigText> config_of(const FitRequest& request) {
-  if (!request.config.empty()) return ConfigText{io::read_text_file(request.config), request.config.string()};
+  if (!request.config.empty())
+    return ConfigText{io::read_text_file(request.config, {.expected = "a config of a fit"}),
+                      request.config.string()};
   if (request.config_text.empty()) return std::nullopt;
   return ConfigText{request.config_text, "the config"};
 }

@@ -109,11 +109,11 @@ void check(std::span<const Capture> captures, const std::string& key, const Labe
 }  // namespace
 
 PredictionConfig read_prediction_config(const std::filesystem::path& path) {
-  return read(TomlTable::read(path));
+  return read(TomlTable::read(path, "a config of a fit"));
 }
 
 PredictionConfig parse_prediction_config(std::string_view text, const std::string& name) {
-  return read(TomlTable::parse(text, name));
+  return read(TomlTable::parse(text, name, "a config of a fit"));
 }
 
 CaptureSplit split(std::span<const Capture> captures, const PredictionConfig& config) {

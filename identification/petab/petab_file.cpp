@@ -142,7 +142,7 @@ bool is_petab_file(const std::filesystem::path& path) {
 }
 
 PetabFile read_petab_file(const std::filesystem::path& path) {
-  const std::string text = io::read_text_file(path);
+  const std::string text = io::read_text_file(path, {.expected = "a PEtab problem"});
   PetabReader reader(path);
   std::string_view rest = text;
   for (int number = 1; !rest.empty(); ++number) {

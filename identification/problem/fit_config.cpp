@@ -16,6 +16,8 @@ namespace samara::identification {
 namespace {
 
 using io::TomlTable;
+
+constexpr const char* kKind = "a config of a fit";  // of such a file, in messages
 using Units = std::map<std::string, std::string>;
 
 std::vector<std::string> names_of(const Units& units) {
@@ -368,11 +370,11 @@ ConfigNames config_names(const codebooks::Codebook& book) {
 }
 
 FitOptions read_fit_config(const std::filesystem::path& path, const ConfigNames& names) {
-  return read_options(TomlTable::read(path), names);
+  return read_options(TomlTable::read(path, kKind), names);
 }
 
 FitOptions parse_fit_config(std::string_view text, const std::string& name, const ConfigNames& names) {
-  return read_options(TomlTable::parse(text, name), names);
+  return read_options(TomlTable::parse(text, name, kKind), names);
 }
 
 }  // namespace samara::identification

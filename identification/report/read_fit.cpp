@@ -124,7 +124,7 @@ FitResult result_of(const ParsedJson& object) {
 }  // namespace
 
 FitResult read_fit(const std::filesystem::path& path) {
-  const std::string text = io::read_text_file(path);
+  const std::string text = io::read_text_file(path, {.expected = "the JSON of a fit (samara fit -o)"});
   const std::string expected = "the JSON of a fit (samara fit -o) was expected";
   try {
     const ParsedJson object = ParsedJson::parse(text);

@@ -56,7 +56,7 @@ std::optional<SeriesOptions> read_series(const TomlTable& root, const ConfigName
 
 std::optional<SeriesOptions> parse_series_config(std::string_view text, const std::string& name,
                                                  const ConfigNames& names) {
-  return read_series(TomlTable::parse(text, name), names);
+  return read_series(TomlTable::parse(text, name, "a config of a fit"), names);
 }
 
 }  // namespace samara::identification

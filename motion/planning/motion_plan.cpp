@@ -23,6 +23,8 @@ namespace {
 
 using io::TomlTable;
 
+constexpr const char* kKind = "a motion to plan";  // of such a file, in messages
+
 class PlanReader {
  public:
   PlanReader(const TomlTable& root, const std::string& text) : root_(root) {
@@ -357,11 +359,11 @@ class PlanReader {
 }  // namespace
 
 MotionPlan read_motion_plan(const std::filesystem::path& path) {
-  return parse_motion_plan(io::read_text_file(path), path.string());
+  return parse_motion_plan(io::read_text_file(path, {.expected = kKind}), path.string());
 }
 
 MotionPlan parse_motion_plan(const std::string& text, const std::string& name) {
-  const TomlTable root = TomlTable::parse(text, name);
+  const TomlTable root = TomlTable::parse(text, name, kKind);
   return PlanReader(root, text).read();
 }
 

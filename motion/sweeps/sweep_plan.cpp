@@ -20,6 +20,8 @@ namespace {
 
 using io::TomlTable;
 
+constexpr const char* kKind = "a plan of a sweep";  // of such a file, in messages
+
 const std::vector<std::string> kAttitude = {"qw(0)", "qx(0)", "qy(0)", "qz(0)"};
 constexpr const char* kAngle = "theta(0)";
 
@@ -342,12 +344,12 @@ Eigen::MatrixXd SweepPlan::lane_points(const Eigen::MatrixXd& points) const {
 }
 
 SweepPlan read_sweep_plan(const std::filesystem::path& path) {
-  const std::string text = io::read_text_file(path);
+  const std::string text = io::read_text_file(path, {.expected = kKind});
   return parse_sweep_plan(text, path.string());
 }
 
 SweepPlan parse_sweep_plan(const std::string& text, const std::string& name) {
-  return plan_of(TomlTable::parse(text, name), text);
+  return plan_of(TomlTable::parse(text, name, kKind), text);
 }
 
 }  // namespace samara::motion

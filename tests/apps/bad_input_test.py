@@ -347,6 +347,42 @@ class BadCalls(Case):
                 self.check_error(result, result.returncode)
                 self.assertIn(result.returncode, (2, 3))
 
+    def test_a_file_in_the_place_of_another_is_named_by_what_it_is(self):
+        line, never = book("line", LINE_PLAN), FOLDER / "never.h5"
+        plan, capture = write("a_plan.toml", LINE_PLAN), write("a_capture.csv", "t[s],x[m]\n0,0\n1,1\n2,2\n")
+        sidecar = write("a_sidecar.toml", 'file = "a_capture.csv"\ngroup_by = ["t"]\n')
+        config = write("a_config.toml", 'outputs = ["x"]\ncluster_by = ["drop"]\n')
+        picture, archive = FOLDER / "picture.png", FOLDER / "arrays.npz"
+        picture.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
+        archive.write_bytes(b"PK\x03\x04" + bytes(100))
+        for call, parts in [(("build", line), ("line.h5: is an HDF5 file, such as a codebook (samara info shows it), expected a plan of a codebook",)),
+                            (("build", capture), ("a_capture.csv: is a table, expected a plan of a codebook",)),
+                            (("build", sidecar), ("a_sidecar.toml: is a sidecar, expected a plan of a codebook",)),
+                            (("build", config), ("a_config.toml: is a config of a fit, expected a plan of a codebook",)),
+                            (("build", picture), ("picture.png: is a PNG picture, expected a plan of a codebook",)),
+                            (("build", archive), ("arrays.npz: is an archive (zip, npz), expected a plan of a codebook",)),
+                            (("sweep", plan), ("a_plan.toml: is a plan of a codebook, expected a plan of a sweep",)),
+                            (("flow", plan), ("a_plan.toml: is a plan of a codebook, expected a plan of a flow",))]:
+            with self.subTest(call=call):
+                self.check_error(run(*call, "-o", never), 3, *parts)
+        self.assertFalse(never.exists())
+        for command in ("query", "info", "stats", "validate"):
+            for path, kind in ((plan, "a text"), (capture, "a text"), (picture, "a PNG picture"), (archive, "an archive")):
+                with self.subTest(command=command, path=path):
+                    self.check_error(run(command, path), 3, path.name, f"is not an HDF5 file but {kind}", "expected a codebook")
+        for path, sentence in ((plan, "is a plan of a codebook, expected a sidecar"), (config, "is a config of a fit, expected a sidecar"),
+                               (line, "is an HDF5 file, such as a codebook (samara info shows it), expected a table"),
+                               (picture, "is a PNG picture, expected a table")):
+            with self.subTest(path=path):
+                self.check_error(run("fit", line, path), 3, f"{path.name}: {sentence}")
+        for path, sentence in ((sidecar, "is a sidecar, expected a config of a fit"), (capture, "is a table, expected a config of a fit"),
+                               (line, "is an HDF5 file, such as a codebook (samara info shows it), expected a config of a fit")):
+            with self.subTest(path=path):
+                self.check_error(run("fit", line, capture, "--config", path), 3, f"{path.name}: {sentence}")
+        self.check_error(run("design", line, "--fit", line), 3, "line.h5: is an HDF5 file", "expected the JSON of a fit (samara fit -o)")
+        self.check_error(run("query", line, "--points", line), 3, "line.h5: is an HDF5 file", "expected a table of points")
+        self.check_error(run("fit", plan, capture), 3, "a_plan.toml", "is that of a plan", "the codebook that samara build makes of the plan")
+
     def test_a_sidecar_in_the_place_of_the_model_is_told_as_one(self):
         sidecar = write("swapped.toml", '[columns]\nt = { quantity = "t", unit = "s" }\n')
         self.check_error(run("fit", sidecar, write("swapped.csv", "t[s],x[m]\n0,0\n1,1\n")), 3, "swapped.toml:1: columns: is that of a sidecar, expected a model or a codebook here")

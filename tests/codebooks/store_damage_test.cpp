@@ -31,7 +31,8 @@ TEST_CASE("what is not a file, or not HDF5, is no codebook") {
   CHECK_THAT(load_error(directory / "none.h5"), Contains("none.h5: the file does not exist"));
   CHECK_THAT(load_error(directory.path()), Contains("is not a regular file"));
   put_content(directory / "text.h5", "t[s],x[m]\n0,1\n");
-  CHECK_THAT(load_error(directory / "text.h5"), Contains("text.h5: is not an HDF5 file"));
+  CHECK_THAT(load_error(directory / "text.h5"),
+             Contains("text.h5: is not an HDF5 file but a text, expected a codebook"));
 }
 
 TEST_CASE("an HDF5 file of something else is no codebook") {
@@ -41,8 +42,9 @@ TEST_CASE("an HDF5 file of something else is no codebook") {
   writer.commit();
   CHECK_THAT(load_error(directory / "other.h5"),
              Contains("other.h5: /: attribute format is not \"samara-codebook\": this is not a codebook"));
-  CHECK_THAT(error_after([](Patient& file) { file.set_text("/", "format", "samara-checkpoint"); }),
-             Contains("this is not a codebook"));
+  CHECK_THAT(
+      error_after([](Patient& file) { file.set_text("/", "format", "samara-checkpoint"); }),
+      Contains("attribute format is \"samara-checkpoint\", not \"samara-codebook\": this is not a codebook"));
   CHECK_THAT(error_after([](Patient& file) { file.set_integer("/", "format", 3); }), Contains("format"));
 }
 

@@ -157,7 +157,9 @@ TEST_CASE("what is not an HDF5 file is refused in one sentence") {
   put_content(directory / "empty", "");
   put_content(directory / "signature", "\x89HDF\r\n\x1a\n");
   put_content(directory / "zeros", "\x89HDF\r\n\x1a\n\x03" + std::string(1000, '\0'));
-  CHECK(error(directory / "text") == (directory / "text").string() + ": is not an HDF5 file");
+  CHECK(error(directory / "text") == (directory / "text").string() + ": is not an HDF5 file but a text");
+  put_content(directory / "picture", "\x89PNG\r\n\x1a\n");
+  CHECK_THAT(error(directory / "picture"), Contains("is not an HDF5 file but a PNG picture"));
   CHECK_THAT(error(directory / "empty"), Contains("is not an HDF5 file"));
   CHECK_THAT(error(directory / "signature"), Contains("is truncated: 8 bytes"));
   CHECK_THAT(error(directory / "zeros"), Contains("cannot be opened as HDF5: "));

@@ -32,6 +32,21 @@ TEST_CASE("what is no readable file is refused with its path and the reason") {
   CHECK_THAT(error(directory / std::string(256, 'n')), Contains("cannot be opened: File name too long"));
 }
 
+TEST_CASE("what is no text is named by what it is, and by what was expected") {
+  const TemporaryDirectory directory;
+  const auto error = [&](const std::string& content) {
+    put_content(directory / "f", content);
+    return error_text<InputError>([&] { read_text_file(directory / "f", {.expected = "a plan"}); });
+  };
+  CHECK_THAT(error("\x89HDF\r\n\x1a\n and more"),
+             Contains("f: is an HDF5 file, such as a codebook (samara info shows it), expected a plan"));
+  CHECK_THAT(error("\x89PNG\r\n\x1a\n"), Contains("f: is a PNG picture, expected a plan"));
+  CHECK_THAT(error("PK\x03\x04"), Contains("f: is an archive (zip, npz), expected a plan"));
+  CHECK(read_text_file(directory / "f") == "PK\x03\x04");  // whoever says nothing takes any bytes
+  put_content(directory / "f", "PK, a text that begins so");
+  CHECK(read_text_file(directory / "f").starts_with("PK,"));
+}
+
 TEST_CASE("a file that never ends is refused at the limit") {
   CHECK_THAT(error_text<InputError>([] { read_text_file("/dev/zero"); }),
              Contains("/dev/zero: holds more than 256 MB"));

@@ -203,6 +203,31 @@ TEST_CASE("a text that is not TOML is refused with its line, in one sentence") {
   }
 }
 
+TEST_CASE("a text of another kind is named by what it is") {
+  const auto error = [](const std::string& text) {
+    return toml_error([&] { TomlTable::parse(text, "f", "a plan of a codebook"); });
+  };
+  CHECK(error("# a comment\nt[s],x[m]\n0,0\n") == "f: is a table, expected a plan of a codebook");
+  CHECK(error("t;x\n0,5;1\n") == "f: is a table, expected a plan of a codebook");
+  CHECK(error("{\"schema\": \"samara-fit/1\"}\n") == "f: is JSON, expected a plan of a codebook");
+  CHECK_THAT(error("<!DOCTYPE html>\n"), StartsWith("f: is a page or a picture (HTML, XML), expected"));
+  CHECK_THAT(error("model vertical, or so\n[box]\n"), StartsWith("f:1: not valid TOML: "));
+}
+
+TEST_CASE("a file with keys of another kind of file is named by that kind") {
+  const auto error = [](const std::string& text, const std::string& expected) {
+    const TomlTable table = TomlTable::parse(text, "f", expected);
+    return toml_error([&] { table.expect_keys({"model", "box", "time", "columns"}); });
+  };
+  const std::string sidecar = "group_by = [\"drop\"]\nframe_rate = 60\n";
+  CHECK(error(sidecar, "a plan of a codebook") == "f: is a sidecar, expected a plan of a codebook");
+  // A key more, or one that is misspelt, makes it no other kind.
+  CHECK_THAT(error(sidecar + "bos = 1\n", "a sidecar"), StartsWith("f:1: group_by: unknown key"));
+  CHECK_THAT(error("time = 1\nscale = 2\n", "a plan of a codebook"), StartsWith("f:2: scale: unknown key"));
+  CHECK_THAT(error("bos = 1\n", "a plan of a codebook"), StartsWith("f:1: bos: unknown key"));
+  CHECK_THAT(error(sidecar, "TOML"), StartsWith("f:1: group_by: unknown key"));
+}
+
 TEST_CASE("nesting of any depth is read or refused, and never exhausts the stack") {
   const auto nested_error = [](std::string text, const std::string& repeated, const std::string& last) {
     for (int i = 0; i < 200000; ++i) text += repeated;
