@@ -206,9 +206,9 @@ std::string describe(const Codebook& book, const std::string& path) {
   text += piece_table(book, outlines);
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   const double table_bytes = numbers.table * static_cast<double>(sizeof(double));
-  text += fmt::format(
-      "size: {:.0f} bytes; a table of all nodes would take {:.3g}: {:.0f} numbers in place of {:.3g}\n",
-      bytes, table_bytes, numbers.stored, numbers.table);
+  text +=
+      fmt::format("size: {:.0f} bytes; a table of all nodes would take {}: {:.0f} numbers in place of {}\n",
+                  bytes, count_text(table_bytes), numbers.stored, count_text(numbers.table));
   const codebooks::BuildRecord& build = book.build();
   text += fmt::format("build: {} ({}), {}: {}\n  {}\n", build.builder, build.strategy,
                       to_string(build.status), build.message, effort(book));

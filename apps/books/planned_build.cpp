@@ -16,6 +16,7 @@
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/plan/plan_changes.h"
 #include "samara/io/text_file.h"
+#include "samara/models/interface/model.h"
 
 namespace samara::apps {
 
@@ -132,7 +133,10 @@ std::string planned_text(const codebooks::Plan& plan) {
   for (const codebooks::BoxEntry& entry : plan.box)
     text += fmt::format("  {} from {:.6g} to {:.6g}{}\n", entry.name, entry.lower, entry.upper,
                         unit_suffix(unit_in(plan, entry.name)));
-  if (plan.end > 0.0) text += fmt::format("  t from 0 to {:.6g}\n", plan.end);
+  if (plan.end > 0.0) {
+    const std::string unit = plan.definition ? models::time_unit(plan.definition->info()) : "s";
+    text += fmt::format("  t from 0 to {:.6g}{}\n", plan.end, unit_suffix(unit));
+  }
   text +=
       fmt::format("to {:.3g} of the range of each output, by the builder \"{}\"; certificate at {} points\n",
                   plan.relative, plan.builder.kind, plan.certificate_points());

@@ -139,8 +139,9 @@ Row parameter_row(const models::ParameterInfo& parameter) {
   const std::string value = default_text(parameter);
   if (value.size() <= kShort)
     return {parameter.name, shown_unit(parameter.unit), value, parameter.description};
+  const bool says_what = parameter.description.find("default:") != std::string::npos;
   return {parameter.name, shown_unit(parameter.unit), "derived",
-          parameter.description + "; default: " + value};
+          parameter.description + (says_what ? ": " : "; default: ") + value};
 }
 
 std::string joined(const std::vector<std::string>& names) {

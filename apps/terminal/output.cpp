@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -95,6 +96,12 @@ std::string counted(long count, const char* one, const char* many) {
 
 }  // namespace
 
+std::string count_text(double count) {
+  constexpr double kInFull = 1e9;
+  const std::string rounded = fmt::format("{:.3g}", count);
+  return count < kInFull ? fmt::format("{:.0f}", std::strtod(rounded.c_str(), nullptr)) : rounded;
+}
+
 std::string effort(const codebooks::Codebook& book) {
   const codebooks::BuildRecord& record = book.build();
   const double sweep = record.grid_size;
@@ -110,10 +117,10 @@ std::string effort(const codebooks::Codebook& book) {
     text = fmt::format("{}, {}", counted(record.rounds, "round", "rounds"),
                        counted(record.iterations, "Newton iteration", "Newton iterations"));
   }
-  text += fmt::format(", {:.3g} evaluations in all", record.evaluations);
+  text += fmt::format(", {} evaluations in all", count_text(record.evaluations));
   if (record.builder != "pgd" || !(sweep > 0.0)) return text;
-  text += fmt::format("; a sweep over its grid, {:.6g} trajectories, would take about {:.2g}",
-                      codebooks::sweep_size(book.pieces()), sweep);
+  text += fmt::format("; a sweep over its grid, {:.6g} trajectories, would take about {}",
+                      codebooks::sweep_size(book.pieces()), count_text(sweep));
   return sweep < record.evaluations ? text + " and cost less" : text;
 }
 

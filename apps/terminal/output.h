@@ -43,6 +43,9 @@ Json to_json(const codebooks::Certificate& certificate, const codebooks::Codeboo
 /// The certificate as a readable table.
 std::string to_table(const codebooks::Certificate& certificate, const codebooks::Codebook& book);
 
+/// A count to three digits, in full as far as that is read at a glance: 24900, 2740000, 1.31e+12.
+std::string count_text(double count);
+
 /// What the build of a codebook took, in the units of its builder.
 std::string effort(const codebooks::Codebook& book);
 

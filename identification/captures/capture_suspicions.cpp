@@ -147,9 +147,10 @@ void suspect_breaks(const Capture& capture, Sentences& found) {
   const auto fastest = std::ranges::max_element(speeds);
   if (*fastest <= kTimes * usual || *fastest > kSound) return;
   found.push_back(
-      fmt::format("the position moves at {:.3g} m/s before {:.4g} s, {:.2g} times what it otherwise does: "
+      fmt::format("the position moves at {:.3g} m/s before {:.4g} s, {:.{}f} times what it otherwise does: "
                   "another body, or a wrong frame?",
-                  *fastest, times[static_cast<std::size_t>(fastest - speeds.begin())], *fastest / usual));
+                  *fastest, times[static_cast<std::size_t>(fastest - speeds.begin())], *fastest / usual,
+                  *fastest < 10.0 * usual ? 1 : 0));
 }
 
 void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& found) {

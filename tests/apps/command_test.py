@@ -225,6 +225,13 @@ class Options(Case):
         self.assertLessEqual(decimals[0], decimals[1], fitted.stdout)
         self.assertAlmostEqual(float(shown[1]), answer["value"], delta=0.51 * 10.0 ** -decimals[0])
 
+    def test_counts_are_written_in_full_as_far_as_they_are_read_at_a_glance(self):
+        self.assertRegex(run("info", book("coin", COIN_PLAN)).stdout, r"a table of all nodes would take \d+: \d+ numbers in place of \d+\n")
+
+    def test_a_default_that_is_told_by_its_formula_is_told_once(self):
+        shown = " ".join(run("models", "vertical_fall").stdout.split())
+        self.assertIn("default: a thin disc moving broadside: 8/3 fluid_density (area/pi)^(3/2)", shown)
+
     def test_a_measured_height_leads_to_the_model_that_has_one(self):
         for shown in (run("models").stdout, run("models", "quadratic_drag_fall").stdout):
             self.assertRegex(shown, r"quadratic_drag_fall:? .*\(vertical_fall: with the height\)")
@@ -382,6 +389,7 @@ class ChangedPlans(Case):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertIn("C_D from 0.8 to 1.6\n", result.stdout)
         self.assertIn("v(0) = 0.1 m/s", result.stdout)
+        self.assertIn("t from 0 to 0.4 s\n", result.stdout)
         self.assertIn("nothing was built", result.stdout)
         result = run("build", write("dry.toml", COIN_PLAN), "--dry-run", "--set", "thickness=2..3 mm", "--set", "v0=0 m/s..0.1")
         self.assertIn("thickness from 0.002 to 0.003 m\n", result.stdout)
