@@ -1,4 +1,5 @@
-"""Fails if a source or test file is named in no CMakeLists.txt of its folder or those above: it would not be built."""
+"""Fails if a source or test file is named in no CMakeLists.txt of its folder or those above, and would not be built, or a
+class of tests of the command neither there nor in ./dev, and would not be run."""
 
 import pathlib
 import re
@@ -24,5 +25,12 @@ for room in ROOMS:
             folder = folder.parent
         if not listed:
             missing.append(f"{file.relative_to(root)} is in no CMakeLists.txt")
-print("\n".join(missing) or f"{seen} sources, all of them built")
+apps = root / "tests" / "apps"
+run = (apps / "CMakeLists.txt").read_text() + (root / "dev").read_text()
+for file in sorted(apps.glob("*_test.py")):
+    for name in re.findall(r"^class (\w+)\((?:\w+\.)?\w*Case\)", file.read_text(), re.M):
+        seen += 1
+        if not re.search(rf"\b{name}\b", run):
+            missing.append(f"{file.relative_to(root)}: {name} is run neither by CMakeLists.txt nor by ./dev")
+print("\n".join(missing) or f"{seen} sources and classes of tests, all of them built and run")
 sys.exit(1 if missing or seen == 0 else 0)
