@@ -1,11 +1,8 @@
 """Usage: command_test.py SAMARA [CLASS]
 
-The command line as such: its help, options and their values, completion, manual pages, answers as JSON, plans that are changed in the call,
-questions by the thousand.
+The command line as such: its help, options and their values, completion, manual pages, answers as JSON, schemas.
 """
 
-import csv
-import io
 import json
 import math
 import os
@@ -18,7 +15,7 @@ import sys
 import time
 
 import mutations
-from samara_case import COIN_PLAN, FOLDER, HERE, LINE_PLAN, LONGEST, SAMARA, Case, book, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, LONGEST, SAMARA, Case, book, main, rows, run, write
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 INPUT_FUZZ = sys.argv.pop(3) if len(sys.argv) > 3 else None  # for Mutations
@@ -26,10 +23,6 @@ INPUT_FUZZ = sys.argv.pop(3) if len(sys.argv) > 3 else None  # for Mutations
 
 def tree():
     return json.loads(run("help", "--json").stdout)["commands"]
-
-
-def rows(text):
-    return list(csv.DictReader(io.StringIO(text)))
 
 
 class Help(Case):
@@ -285,158 +278,6 @@ class Completion(Case):
         answers = [answer.split() for answer in shown.stdout.split("==\n")]
         for word, answer in zip(asked.values(), answers):
             self.assertEqual(answer[:1], [word], shown.stdout + shown.stderr)
-
-
-class ManyQuestions(Case):
-    def test_lists_and_ranges_of_times(self):
-        line = book("line", LINE_PLAN)
-        times = lambda *at: [float(row["t[1]"]) for row in rows(run("query", line, "--set", "k=4", "--at", *at).stdout)]
-        self.assertEqual(times("0:0.1:0.5"), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5])  # 3 times 0.1 is 0.30000000000000004
-        self.assertEqual(times("0.1,0.2", "100 %"), [0.1, 0.2, 1.0])
-        self.assertEqual(times("0:25:100 %"), [0.0, 0.25, 0.5, 0.75, 1.0])
-        self.assertEqual(times("2:-1:0.5"), [2.0, 1.0])
-        self.assertEqual(len(rows(run("query", line, "--set", "k=4", "--frames", "25").stdout)), 25)
-        fall = run("simulate", "constant_rate", "--set", "k=4", "--until", "1", "--frames", "11").stdout
-        self.assertEqual([row.split(",")[0] for row in fall.splitlines()[1:]], [f"{k / 10:g}" for k in range(11)])
-        for bad, part in [("0:0:1", "no steps"), ("0:-1:5", "no steps"), ("0:1", "FROM:STEP:TO"), ("0:1e-9:10", "at most"), ("0,x", "x"), ("0,,1", "--at")]:
-            self.check_error(run("query", line, "--set", "k=4", "--at", bad), 2, part)
-        self.check_error(run("query", line, "--set", "k=4", "--at", "1", "--frames", "5"), 2, "--frames", "--at")
-
-    def test_a_table_of_points_gives_what_one_call_each_gives(self):
-        coin = book("coin", COIN_PLAN)
-        points = write("points.csv", "v0[cm/s],t[ms],C_D\n10,100,1\n20,400,1.5\n0,0,0.8\n")
-        many = rows(run("query", coin, "--points", points, "--gradient").stdout)
-        self.assertEqual(len(many), 3)
-        for row in many:
-            one = rows(run("query", coin, "--set", f"C_D={row['C_D[1]']}", "--set", f"v0={row['v(0)[m/s]']}", "--at", row["t[s]"], "--gradient").stdout)[0]
-            for name, value in one.items():
-                self.assertAlmostEqual(float(row[name]), float(value), delta=1e-12 * max(1.0, abs(float(value))), msg=name)
-        piped = subprocess.run([SAMARA, "query", coin, "--points", "-", "--gradient"], input=points.read_text(), capture_output=True, text=True)
-        self.assertEqual(rows(piped.stdout), many)
-        answer = json.loads(run("query", coin, "--points", points, "--json").stdout)
-        self.assertEqual(answer["coordinates"]["t"], [0.1, 0.4, 0.0])
-        self.assertEqual([len(output["values"]) for output in answer["outputs"]], [3, 3])
-
-    def test_coordinates_stand_in_the_answer_as_they_were_asked(self):
-        coin = book("coin", COIN_PLAN)
-        asked = rows(run("query", coin, "--points", write("typed.csv", "C_D; v0[cm/s]; t\n+1.20; 10; 1e-1\n0.8; 20; 0.40\n")).stdout)
-        self.assertEqual([(r["t[s]"], r["C_D[1]"], r["v(0)[m/s]"]) for r in asked], [("1e-1", "1.20", "0.1"), ("0.40", "0.8", "0.2")])
-        # Not where they were moved into the box, or are no plain numbers.
-        moved = rows(run("query", coin, "--points", write("far_typed.csv", "C_D,t,v0\n1.20,0.10,9.0\n"), "--clamp").stdout)[0]
-        self.assertEqual((moved["t[s]"], moved["C_D[1]"], moved["v(0)[m/s]"]), ("0.10", "1.20", "0.4"))
-        commas = rows(run("query", coin, "--points", write("commas.csv", "C_D;t\n1,20;0,10\n"), "--set", "v0=0").stdout)[0]
-        self.assertEqual((commas["t[s]"], commas["C_D[1]"], commas["v(0)[m/s]"]), ("0.1", "1.2", "0"))
-
-    def test_points_without_a_time_are_asked_at_all_times(self):
-        line, points = book("line", LINE_PLAN), write("rates.csv", "k\n2\n5\n")
-        asked = rows(run("query", line, "--points", points, "--at", "0:1:2").stdout)
-        self.assertEqual([(float(r["k[1]"]), float(r["t[1]"])) for r in asked], [(k, t) for k in (2.0, 5.0) for t in (0.0, 1.0, 2.0)])
-        for row in asked:
-            one = rows(run("query", line, "--set", f"k={row['k[1]']}", "--at", row["t[1]"]).stdout)[0]
-            self.assertAlmostEqual(float(row["u[1]"]), float(one["u[1]"]), places=9)
-
-    def test_bad_tables_of_points_name_the_line(self):
-        line = book("line", LINE_PLAN)
-        refuse = lambda text, code, *parts, more=(): self.check_error(run("query", line, "--points", write("bad_points.csv", text), *more), code, *parts)
-        refuse("k,t\n4,1\n11,1\n", 5, "bad_points.csv:3", "k = 11", "[1, 10]")
-        refuse("kk,t\n4,1\n", 3, "kk", 'did you mean "k"')
-        refuse("k,k[1]\n4,1\n", 3, "two columns")
-        refuse("k[m],t\n4,1\n", 3, "k is in m")
-        refuse("k,t\n4,\n", 3, "bad_points.csv:2", "has no t")
-        refuse("k,t\n4,x\n", 3, "bad_points.csv:2")
-        refuse("k,t\n", 3, "has no rows")
-        refuse("t\n1\n", 2, "k is not set")
-        refuse("k,t\n4,1\n", 2, "column of the time", more=("--at", "1"))
-        refuse("k,t\n4,1\n", 2, "--set names", more=("--set", "k=3"))
-        refuse("k,t\n4,1\n", 2, "--points", more=("--until", "30"))
-        piped = subprocess.run([SAMARA, "query", line, "--points", "-"], input="k,t\n4,x\n", capture_output=True, text=True)
-        self.check_error(piped, 3, "samara: stdin:2: ")
-        clamped = run("query", line, "--points", write("far.csv", "k,t\n11,1\n4,1\n"), "--clamp")
-        self.assertEqual(clamped.returncode, 0)
-        self.assertEqual([float(r["k[1]"]) for r in rows(clamped.stdout)], [10.0, 4.0])
-
-
-class ChangedPlans(Case):
-    def test_a_call_overrides_the_plan_and_the_codebook_keeps_what_was_built(self):
-        plan, target = write("changed.toml", COIN_PLAN), FOLDER / "changed.h5"
-        result = run("build", plan, "-o", target, "--set", "C_D=0.9..1.1", "--set", "v0=10 cm/s", "--tolerance", "1e-2", "--threads", "1", "--json")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        built = json.loads(result.stdout)
-        self.assertTrue(built["met"])
-        info = json.loads(run("info", target, "--json").stdout)
-        self.assertEqual([(c["name"], c["lower"], c["upper"]) for c in info["coordinates"][1:]], [("C_D", 0.9, 1.1)])
-        self.assertEqual(info["model"]["fixed"]["v(0)"], 0.1)
-        self.assertEqual(info["certificate"]["tolerance"], 1e-2)
-        # The plan in the codebook says the same.
-        kept = run("info", target, "--plan").stdout
-        again = FOLDER / "again.h5"
-        self.assertEqual(run("build", write("kept.toml", kept), "-o", again).returncode, 0)
-        at = ["--set", "C_D=1.03", "--gradient"]
-        self.assertEqual(run("query", again, *at).stdout, run("query", target, *at).stdout)
-
-    def test_what_cannot_be_set_is_refused(self):
-        plan, target = write("refused.toml", COIN_PLAN), FOLDER / "refused.h5"
-        for options, part in [(["--set", "C_T=1"], "C_T"), (["--set", "C_D=2..1"], "lower < upper"), (["--set", "C_D=.."], "FROM..TO"), (["--set", "C_D"], "NAME=VALUE"),
-                              (["--set", "C_D=1", "--set", "C_D=2"], "twice"), (["--tolerance", "2"], "relative"), (["--threads", "1.5"], "--threads"),
-                              (["--set", "C_D=1", "--set", "v0=0"], "box")]:
-            self.check_error(run("build", plan, "-o", target, *options), 2, part)
-        self.check_error(run("build", plan), 2, "--output is required")
-        self.assertFalse(target.exists())
-
-    def test_a_dry_run_builds_nothing_and_says_what_would_be(self):
-        target = FOLDER / "dry.h5"
-        result = run("build", write("dry.toml", COIN_PLAN), "-o", target, "--dry-run", "--set", "v0=0.1")
-        self.assertEqual((result.returncode, result.stderr), (0, ""))
-        self.assertIn("C_D from 0.8 to 1.6\n", result.stdout)
-        self.assertIn("v(0) = 0.1 m/s", result.stdout)
-        self.assertIn("t from 0 to 0.4 s\n", result.stdout)
-        self.assertIn("nothing was built", result.stdout)
-        result = run("build", write("dry.toml", COIN_PLAN), "--dry-run", "--set", "thickness=2..3 mm", "--set", "v0=0 m/s..0.1")
-        self.assertIn("thickness from 0.002 to 0.003 m\n", result.stdout)
-        self.assertIn("v(0) from 0 to 0.1 m/s\n", result.stdout)
-        self.assertFalse(target.exists())
-        self.check_error(run("build", write("dry.toml", COIN_PLAN.replace("0.8", "1.8")), "--dry-run"), 3, "dry.toml", "lower < upper")
-
-    def test_the_plan_to_begin_with_builds(self):
-        for model in ("vertical_fall", "constant_rate", "heat_rod"):
-            plan, target = run("plan", model).stdout, FOLDER / f"begin_{model}.h5"
-            result = subprocess.run([SAMARA, "build", "-", "-o", target], input=plan, capture_output=True, text=True)
-            self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertEqual(run("info", target, "--plan").stdout, plan)
-        self.check_error(run("plan", "vertical_fal"), 2, "vertical_fall")
-
-    def test_no_file_of_another_kind_is_lost_to_a_plan_or_a_flat_file(self):
-        notes, flat, line = write("notes.txt", "mine\n"), write("notes.flat", "mine\n"), book("line", LINE_PLAN)
-        self.check_error(run("plan", "vertical_fall", "-o", notes), 2, "notes.txt", "no plan")
-        self.check_error(run("export", line, "--to", "flat", "-o", flat), 2, "notes.flat", "no flat file")
-        self.assertEqual((notes.read_text(), flat.read_text()), ("mine\n", "mine\n"))
-        sweep = write("card_sweep.toml", "")
-        self.check_error(run("database", sweep, "-o", notes), 2, "notes.txt", "no database of motions")
-        for name, call in (("twice.toml", ["plan", "vertical_fall"]), ("twice.flat", ["export", line, "--to", "flat"])):
-            for _ in range(2):
-                self.assertEqual(run(*call, "-o", FOLDER / name).returncode, 0)
-
-
-    def test_a_picture_or_page_is_not_written_by_a_name_of_another_kind(self):
-        line = book("line", LINE_PLAN)
-        for call, name, ending in [(["plot", line, "-o"], "fall.png", ".svg"), (["explore", line, "-o"], "page.txt", ".html"),
-                                   (["export", line, "--to", "flat", "-o"], "line.h", ".flat"), (["picture", line, "-o"], "k.jpg", ".png"),
-                                   (["fit", line, write("two.csv", "t[s],x[m]\n0,0\n1,1\n"), "--report"], "fit.pdf", ".html"), (["patterns", line, "--report"], "page.csv", ".html")]:
-            self.check_error(run(*call, FOLDER / name), 2, name, f"expected a name that ends in {ending}")
-            self.assertFalse((FOLDER / name).exists())
-        table = write("two.csv", "t[s],x[m]\n0,0\n1,1\n")
-        for name in ("FALL.SVG", "run_0.2", "fall"):  # capitals are no other kind, and what is no word is no ending
-            self.assertEqual(run("plot", table, "-o", FOLDER / name).returncode, 0)
-
-    def test_text_in_a_file_does_not_depend_on_the_terminal(self):
-        line = book("line", LINE_PLAN)
-        for command in ("info", "validate"):
-            texts = []
-            for columns in ("60", "150"):
-                env = {**os.environ, "COLUMNS": columns}
-                subprocess.run([SAMARA, command, line, "-o", FOLDER / "answer.txt"], env=env, check=True)
-                texts.append((FOLDER / "answer.txt").read_text())
-            self.assertEqual(*texts)
 
 
 class SchemasAndFiles(Case):

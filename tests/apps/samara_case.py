@@ -1,6 +1,8 @@
 """What the tests of the command share: calling it as its users do, plans, and the form of errors."""
 
+import csv
 import functools
+import io
 import json
 import os
 import pathlib
@@ -89,6 +91,10 @@ def write(name, text):
     path = FOLDER / name
     path.write_text(text)
     return path
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
 
 
 def book(name, plan):
