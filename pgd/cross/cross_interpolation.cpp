@@ -1,10 +1,15 @@
 #include "samara/pgd/cross/cross_interpolation.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -55,6 +60,12 @@ class Cross {
       add_columns(right_[k], random_entries(k, options_.first_pivots), options_.max_rank);
     }
     right_[d] = IndexBatch(0, 1);
+    if (options.state) {
+      right_ = options.state->pivots.right;
+      random_ = options.state->random;
+      evaluated_before_ = options.state->evaluations;
+      largest_before_ = options.state->largest;
+    }
     cores_.resize(d + 1);
     cores_[0] = TrainCore(1, outputs, outputs);
     cores_[0].left_unfolding().setIdentity();
@@ -62,6 +73,7 @@ class Cross {
 
   CrossResult run() {
     CrossResult result;
+    if (options_.state) result.sweeps = options_.state->sweeps;
     while (true) {
       ++result.sweeps;
       for (std::size_t k = 1; k < modes(); ++k) step_right(k);
@@ -75,10 +87,14 @@ class Cross {
         add_columns(right_[k], worst_.bottomRows(static_cast<Eigen::Index>(modes() - k)).leftCols(worst),
                     options_.max_rank);
       }
+      if (!options_.checkpoint) continue;
+      CrossState state{{right_}, random_, result.sweeps, evaluations(), largest()};
+      table_.forget();
+      options_.checkpoint(state);
     }
     result.train.cores = cores_;
-    result.largest = table_.largest();
-    result.evaluations = table_.evaluations();
+    result.largest = largest();
+    result.evaluations = evaluations();
     result.grid_size = std::accumulate(sizes_.begin(), sizes_.end(), 1.0, std::multiplies<>());
     result.pivots.right = right_;
     result.bad_entry = table_.bad_entry();
@@ -87,6 +103,8 @@ class Cross {
 
  private:
   std::size_t modes() const { return sizes_.size(); }
+  long evaluations() const { return evaluated_before_ + table_.evaluations(); }
+  double largest() const { return std::max(largest_before_, table_.largest()); }
   int mode_size(std::size_t k) const { return sizes_[k - 1]; }
 
   int half_growth(const IndexBatch& set) const {
@@ -103,41 +121,76 @@ class Cross {
     return entries;
   }
 
-  /// Values on left set x mode k x right set, as a core.
+  /// Values on left set x mode k x right set, as a core. Members of the left set that differ by their outputs only share
+  /// entries.
   TrainCore block(std::size_t k) {
     const IndexBatch& left = left_[k];
     const IndexBatch& right = right_[k];
     const int n = mode_size(k);
     TrainCore core(static_cast<int>(left.cols()), n, static_cast<int>(right.cols()));
     const auto before = static_cast<Eigen::Index>(k) - 1;  // grid modes before mode k
-    // At mode 1 the left set is all outputs: one entry serves the whole column of the set.
-    const Eigen::Index left_entries = k == 1 ? 1 : left.cols();
-    IndexBatch entries(static_cast<Eigen::Index>(modes()), left_entries * n * right.cols());
+    const std::vector<std::vector<int>> places = members_by_place(left.bottomRows(before));
+    const auto count = static_cast<Eigen::Index>(places.size());
+    IndexBatch entries(static_cast<Eigen::Index>(modes()), count * n * right.cols());
     Eigen::Index j = 0;
     for (Eigen::Index r = 0; r < right.cols(); ++r) {
       for (int i = 0; i < n; ++i) {
-        for (Eigen::Index l = 0; l < left_entries; ++l, ++j) {
-          entries.col(j).head(before) = left.col(l).tail(before);
+        for (const std::vector<int>& members : places) {
+          entries.col(j).head(before) = left.col(members.front()).tail(before);
           entries(before, j) = i;
           entries.col(j).tail(right.rows()) = right.col(r);
+          ++j;
         }
       }
     }
-    core.data =
-        k == 1 ? table_.fetch(entries).reshaped().eval() : table_.fetch(entries, left.row(0).transpose());
+    table_.visit(entries, [&](Eigen::Index entry, const double* values) {
+      for (const int l : places[static_cast<std::size_t>(entry % count)])
+        core.data[l + core.left * (entry / count)] = values[left(0, l)];
+    });
     return core;
   }
 
+  /// Columns that are the same.
+  static std::vector<std::vector<int>> members_by_place(const IndexBatch& columns) {
+    std::vector<std::vector<int>> places;
+    std::map<std::vector<int>, std::size_t> known;
+    for (int j = 0; j < columns.cols(); ++j) {
+      const auto [place, is_new] =
+          known.try_emplace({columns.col(j).begin(), columns.col(j).end()}, places.size());
+      if (is_new) places.emplace_back();
+      places[place->second].push_back(j);
+    }
+    return places;
+  }
+
   /// Columns that span the others up to a small part of the tolerance, and rows to interpolate them in.
-  MaxVolume skeleton(const Eigen::MatrixXd& matrix) const {
-    return max_volume(matrix, options_.max_rank, kNegligible * options_.tolerance);
+  MaxVolume skeleton(const Eigen::MatrixXd& matrix, const std::vector<int>& groups = {}) const {
+    return max_volume(matrix, options_.max_rank, kNegligible * options_.tolerance, groups);
+  }
+
+  /// Of the rows of the left unfolding of block k, where they are: outputs at the same place come from one entry. Empty
+  /// where there is one output only.
+  std::vector<int> places_of_rows(std::size_t k) const {
+    const std::vector<std::vector<int>> places = members_by_place(left_[k].bottomRows(left_[k].rows() - 1));
+    const auto count = static_cast<int>(places.size());
+    const auto members = static_cast<std::size_t>(left_[k].cols());
+    if (outputs_ == 1) return {};
+    std::vector<int> of_rows(members * static_cast<std::size_t>(mode_size(k)));
+    for (int i = 0; i < mode_size(k); ++i) {
+      for (int place = 0; place < count; ++place) {
+        for (const int l : places[static_cast<std::size_t>(place)])
+          of_rows[static_cast<std::size_t>(i) * members + static_cast<std::size_t>(l)] = place + count * i;
+      }
+    }
+    return of_rows;
   }
 
   /// Interpolates core k from the left and chooses the left set of the next core.
   void step_right(std::size_t k) {
     if (!table_.bad_entry().empty()) return;
     const TrainCore values = block(k);
-    const MaxVolume best = skeleton(values.left_unfolding());
+    if (!table_.bad_entry().empty()) return;
+    const MaxVolume best = skeleton(values.left_unfolding(), places_of_rows(k));
     const Eigen::Index rank = best.coefficients.cols();
     left_[k + 1].resize(static_cast<Eigen::Index>(k) + 1, rank);
     for (Eigen::Index r = 0; r < rank; ++r) {
@@ -151,6 +204,7 @@ class Cross {
   void step_left(std::size_t k) {
     if (!table_.bad_entry().empty()) return;
     const TrainCore values = block(k);
+    if (!table_.bad_entry().empty()) return;
     const MaxVolume best = skeleton(values.right_unfolding().transpose());
     const Eigen::Index rank = best.coefficients.cols();
     IndexBatch set(static_cast<Eigen::Index>(modes() - k) + 1, rank);
@@ -173,13 +227,13 @@ class Cross {
       return true;
     }
     const std::string figures = fmt::format("guard error {:.3g} after {} sweeps and {} evaluations",
-                                            result.guard_error, result.sweeps, table_.evaluations());
+                                            result.guard_error, result.sweeps, evaluations());
     if (result.guard_error <= options_.tolerance) {
       result.status = CrossStatus::converged;
       result.message = figures;
       return true;
     }
-    if (result.sweeps >= options_.max_sweeps || table_.evaluations() >= options_.max_evaluations) {
+    if (result.sweeps >= options_.max_sweeps || evaluations() >= options_.max_evaluations) {
       result.status =
           result.sweeps >= options_.max_sweeps ? CrossStatus::max_sweeps : CrossStatus::max_evaluations;
       result.message = fmt::format("{} > {:.3g}", figures, options_.tolerance);
@@ -212,6 +266,8 @@ class Cross {
   int outputs_;
   const std::vector<int>& sizes_;
   EntryTable table_;
+  long evaluated_before_ = 0;  ///< by an interpolation that was interrupted
+  double largest_before_ = 0.0;
   Random random_;
   std::vector<IndexBatch> left_;   ///< left_[k]: output and grid modes before mode k, one column per index
   std::vector<IndexBatch> right_;  ///< right_[k]: grid modes after mode k
@@ -269,6 +325,12 @@ CrossResult interpolate(const EntryFunction& function, int outputs, const std::v
   require(options.growth >= 0.0, "growth", options.growth, "at least 0", kWhere);
   require(options.guard_entries >= 1, "guard_entries", options.guard_entries, "at least 1", kWhere);
   check_pivots(options.start, sizes);
+  if (options.state) {
+    check_pivots(options.state->pivots, sizes);
+    require(options.state->pivots.right.size() == sizes.size() + 1,
+            "the number of sets of a state to go on from", options.state->pivots.right.size(),
+            "one more than there are modes", kWhere);
+  }
   return Cross(function, outputs, sizes, options).run();
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "samara/base/progress.h"
 #include "samara/pgd/tensors/index_batch.h"
+#include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/tensor_train.h"
 
 /// Cross interpolation: a function on a grid, approximated as a train from values at chosen entries only.
@@ -36,6 +38,20 @@ void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank);
 /// The same sets on a grid of other sizes: the nodes at the same places.
 CrossPivots carried_over(CrossPivots pivots, const std::vector<int>& from, const std::vector<int>& to);
 
+/// Between two sweeps: what an interpolation that was interrupted goes on from.
+struct CrossState {
+  CrossPivots pivots;  ///< what was added for the next sweep included
+  Random random{0};
+  int sweeps = 0;
+  long evaluations = 0;
+  double largest = 0.0;
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive(pivots.right, random, sweeps, evaluations, largest);
+  }
+};
+
 struct CrossOptions {
   /// Absolute, for every output at every guard entry.
   double tolerance = 1e-6;
@@ -49,6 +65,11 @@ struct CrossOptions {
   long max_evaluations = 50'000'000;
   std::uint64_t seed = 1;
   CrossPivots start = {};  ///< empty: random
+  /// Told the state between sweeps. Entries are then forgotten, so that an interpolation that goes on from there asks
+  /// for the same ones, and gives the same to the last bit.
+  std::function<void(CrossState&)> checkpoint = {};
+  /// Told before, of the same function, sizes and options.
+  std::optional<CrossState> state = {};
 };
 
 enum class CrossStatus { converged, max_sweeps, max_evaluations, not_finite };

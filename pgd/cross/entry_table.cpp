@@ -12,7 +12,7 @@ namespace samara::pgd {
 
 namespace {
 
-constexpr int kBatch = 4096;  ///< entries that are evaluated together
+constexpr int kBatch = 1024;  ///< entries that are evaluated together
 
 }  // namespace
 
@@ -35,15 +35,15 @@ std::uint64_t EntryTable::key(const Eigen::Ref<const Eigen::VectorXi>& entry) co
   return linear;
 }
 
-template <class Take>
-void EntryTable::visit(const IndexBatch& entries, const Take& take) {
+void EntryTable::visit(const IndexBatch& entries,
+                       const std::function<void(Eigen::Index, const double*)>& take) {
   std::vector<int> missing;                 // columns of `entries`, every unknown entry once
   std::vector<std::pair<int, int>> wanted;  // place among the missing, column
   std::unordered_map<std::uint64_t, int> places;
   for (Eigen::Index j = 0; j < entries.cols(); ++j) {
     const std::uint64_t entry = key(entries.col(j));
     if (const auto known = columns_.find(entry); known != columns_.end()) {
-      take(j, values_.data() + known->second * static_cast<std::size_t>(outputs_));
+      take(j, known->second);
       continue;
     }
     const auto [place, is_new] = places.try_emplace(entry, static_cast<int>(missing.size()));
@@ -57,10 +57,10 @@ void EntryTable::visit(const IndexBatch& entries, const Take& take) {
     const int last = std::min(first + kBatch, count);
     const IndexBatch batch =
         entries(Eigen::all, std::vector<int>(missing.begin() + first, missing.begin() + last));
-    const Eigen::MatrixXd values = evaluate(batch);
+    Eigen::MatrixXd values = evaluate(batch);
     for (; next != wanted.end() && next->first < last; ++next)
       take(next->second, values.col(next->first - first).data());
-    remember(batch, values);
+    remember(batch, std::move(values));
   }
 }
 
@@ -72,12 +72,10 @@ Eigen::MatrixXd EntryTable::fetch(const IndexBatch& entries) {
   return result;
 }
 
-Eigen::VectorXd EntryTable::fetch(const IndexBatch& entries,
-                                  const Eigen::Ref<const Eigen::VectorXi>& outputs) {
-  Eigen::VectorXd result(entries.cols());
-  visit(entries,
-        [&](Eigen::Index j, const double* values) { result[j] = values[outputs[j % outputs.size()]]; });
-  return result;
+void EntryTable::forget() {
+  columns_.clear();
+  batches_.clear();
+  numbers_ = 0;
 }
 
 Eigen::MatrixXd EntryTable::evaluate(const IndexBatch& missing) {
@@ -94,10 +92,12 @@ Eigen::MatrixXd EntryTable::evaluate(const IndexBatch& missing) {
   return values;
 }
 
-void EntryTable::remember(const IndexBatch& entries, const Eigen::MatrixXd& values) {
-  if (values_.size() + static_cast<std::size_t>(values.size()) > most_numbers_) return;
-  for (Eigen::Index j = 0; j < entries.cols(); ++j) columns_.emplace(key(entries.col(j)), columns_.size());
-  values_.insert(values_.end(), values.data(), values.data() + values.size());
+void EntryTable::remember(const IndexBatch& entries, Eigen::MatrixXd values) {
+  if (numbers_ + static_cast<std::size_t>(values.size()) > most_numbers_) return;
+  numbers_ += static_cast<std::size_t>(values.size());
+  const Eigen::MatrixXd& batch = batches_.emplace_back(std::move(values));
+  for (Eigen::Index j = 0; j < entries.cols(); ++j)
+    columns_.emplace(key(entries.col(j)), batch.col(j).data());
 }
 
 }  // namespace samara::pgd

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <unordered_map>
 #include <vector>
 
@@ -22,8 +23,11 @@ class EntryTable {
 
   /// Values at the entries, one column each; missing ones are evaluated in batches, each entry once.
   Eigen::MatrixXd fetch(const IndexBatch& entries);
-  /// One output of every entry, entry j output `outputs[j % outputs.size()]`, likewise.
-  Eigen::VectorXd fetch(const IndexBatch& entries, const Eigen::Ref<const Eigen::VectorXi>& outputs);
+  /// Calls take(j, values) once for every entry j, in any order, with a pointer to its outputs; likewise.
+  void visit(const IndexBatch& entries, const std::function<void(Eigen::Index, const double*)>& take);
+
+  /// All values; evaluations stay counted.
+  void forget();
 
   long evaluations() const { return evaluations_; }
   double largest() const { return largest_; }
@@ -32,18 +36,16 @@ class EntryTable {
 
  private:
   std::uint64_t key(const Eigen::Ref<const Eigen::VectorXi>& entry) const;
-  /// Calls take(j, values) for every entry j with a pointer to its outputs.
-  template <class Take>
-  void visit(const IndexBatch& entries, const Take& take);
   Eigen::MatrixXd evaluate(const IndexBatch& missing);
-  void remember(const IndexBatch& entries, const Eigen::MatrixXd& values);
+  void remember(const IndexBatch& entries, Eigen::MatrixXd values);
 
   const EntryFunction& function_;
   int outputs_;
   std::vector<int> sizes_;
   std::size_t most_numbers_;
-  std::unordered_map<std::uint64_t, std::size_t> columns_;
-  std::vector<double> values_;
+  std::unordered_map<std::uint64_t, const double*> columns_;  ///< into the batches
+  std::vector<Eigen::MatrixXd> batches_;
+  std::size_t numbers_ = 0;  ///< in the batches
   long evaluations_ = 0;
   double largest_ = 0.0;
   std::vector<int> bad_entry_;

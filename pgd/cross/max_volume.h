@@ -17,6 +17,10 @@ struct MaxVolume {
 
 /// @param negligible columns are chosen until no entry of the others exceeds this once the chosen ones are
 /// eliminated from them
-MaxVolume max_volume(const Eigen::MatrixXd& matrix, int max_rank, double negligible);
+/// @param groups of the rows, numbers from 0 on, where rows of few groups are to be chosen: a row of a new one comes in
+/// only where it is four times as large. Coefficients of rows of groups that are not in are then at most four times
+/// 1.05. Empty: each row stands for itself
+MaxVolume max_volume(const Eigen::MatrixXd& matrix, int max_rank, double negligible,
+                     const std::vector<int>& groups = {});
 
 }  // namespace samara::pgd

@@ -369,9 +369,11 @@ TEST_CASE("a table that may remember little evaluates again and gives the same")
   EntryTable none(function, 2, {5, 6}, 0);
   CHECK(none.fetch(entries) == values);
   CHECK(calls == 6);
-  CHECK(none.fetch(entries, Eigen::Vector2i(1, 0)) ==
-        (Eigen::VectorXd(5) << values(1, 0), values(0, 1), values(1, 2), values(0, 3), values(1, 4))
-            .finished());
+  Eigen::MatrixXd visited = Eigen::MatrixXd::Zero(2, 5);
+  none.visit(entries, [&](Eigen::Index j, const double* outputs) {
+    visited.col(j) += Eigen::Map<const Eigen::Vector2d>(outputs);
+  });
+  CHECK(visited == values);
   CHECK(calls == 9);
   CHECK(none.evaluations() == 6);
 }
@@ -389,6 +391,44 @@ TEST_CASE("the same seed gives the same train to the last bit, another one other
   CHECK(a.message == b.message);
   function.interpolate({.tolerance = 1e-7, .seed = 5});
   CHECK(function.asked() != asked);
+}
+
+TEST_CASE("outputs that go together come from few entries") {
+  // With every member of a left set at a place of its own, the blocks of the inner modes alone would take
+  // rank * nodes * rank entries each.
+  Sampled function({12, 12, 12, 12}, 40, [](int m, const std::vector<double>& x) {
+    return std::cos((1.0 + 0.1 * m) * (x[0] + x[1] + x[2]) + (1.0 + 0.2 * m) * x[3]);
+  });
+  const CrossResult result =
+      function.interpolate({.tolerance = 1e-5, .guard_entries = 100, .first_pivots = 20, .growth = 1.0});
+  CHECK(result.status == CrossStatus::converged);
+  CHECK(function.fresh_errors(result.train, 2000, 7).maxCoeff() <= 3e-5);
+  const std::vector<int> ranks = result.train.ranks();
+  CAPTURE(ranks, result.evaluations);
+  CHECK(2.0 * static_cast<double>(result.evaluations) < 12.0 * (ranks[1] * ranks[2] + ranks[2] * ranks[3]));
+}
+
+TEST_CASE("an interpolation that goes on from any of its states gives the same to the last bit") {
+  Sampled function = rational({15, 16, 17, 18});
+  std::vector<CrossState> states;
+  CrossOptions options{.tolerance = 1e-9, .first_pivots = 1};
+  options.checkpoint = [&](CrossState& state) { states.push_back(state); };
+  const CrossResult whole = function.interpolate(options);
+  REQUIRE(states.size() >= 2);
+  options.checkpoint = [](CrossState&) {};
+  for (const CrossState& state : states) {
+    options.state = state;
+    const CrossResult rest = function.interpolate(options);
+    CHECK(rest.message == whole.message);
+    CHECK(rest.sweeps == whole.sweeps);
+    CHECK(rest.evaluations == whole.evaluations);
+    CHECK(rest.largest == whole.largest);
+    REQUIRE(rest.train.ranks() == whole.train.ranks());
+    for (std::size_t k = 0; k < whole.train.cores.size(); ++k)
+      CHECK(rest.train.cores[k].data == whole.train.cores[k].data);
+  }
+  options.state = CrossState{};
+  CHECK_THROWS_AS(function.interpolate(options), samara::ArgumentError);
 }
 
 TEST_CASE("cross interpolation refuses what it cannot work on") {
