@@ -80,19 +80,13 @@ BuildRecord record_of(const pgd::SlabResult& result, const std::string& strategy
   return record;
 }
 
-/// Stores the state of the march. A disk that is full must not end a build that needs no disk: it is told once.
 std::function<void(const std::vector<double>&)> checkpoint_writer(const Plan& plan,
                                                                   const BuildOptions& options) {
   if (options.checkpoint.empty()) return {};
-  return [checkpoint = Checkpoint(options.checkpoint, plan.whole_text()), &options,
-          warned = false](const std::vector<double>& state) mutable {
-    try {
-      checkpoint.save_march(state);
-    } catch (const ArgumentError& error) {
-      if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
-      warned = true;
-    }
-  };
+  return told_once<std::vector<double>>(
+      [checkpoint = Checkpoint(options.checkpoint, plan.whole_text())](
+          const std::vector<double>& state) mutable { checkpoint.save_march(state); },
+      options.warning);
 }
 
 /// @throws InputError if a checkpoint that is to be taken up is not of this plan

@@ -264,14 +264,9 @@ CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& 
   if (options.resume && is_checkpoint(options.checkpoint)) known = checkpoint.calls();
   CallMemory::Save save;
   if (!options.checkpoint.empty()) {
-    save = [checkpoint, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
-      try {
-        checkpoint.save_calls(calls);
-      } catch (const ArgumentError& error) {
-        if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
-        warned = true;
-      }
-    };
+    save = told_once<std::vector<CallSheet>>(
+        [checkpoint](const std::vector<CallSheet>& calls) mutable { checkpoint.save_calls(calls); },
+        options.warning);
   }
   try {
     return CallMemory(std::move(source), std::move(known), std::move(save));

@@ -1,21 +1,23 @@
 #include "samara/codebooks/build/stepped_builder.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "samara/codebooks/build/line_nodes.h"
+#include "samara/codebooks/build/stepped_skeleton.h"
+#include "samara/codebooks/build/stepped_state.h"
 #include "samara/codebooks/build/stepped_trajectories.h"
 #include "samara/codebooks/build/time_mesh.h"
 #include "samara/codebooks/source/sampled_source.h"
 #include "samara/pgd/cross/cross_interpolation.h"
-#include "samara/pgd/cross/max_volume.h"
 #include "samara/pgd/cross/nodal_approximation.h"
 #include "samara/pgd/fields/field_rounding.h"
+#include "samara/pgd/tensors/number_archive.h"
 #include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/train_points.h"
 
@@ -30,7 +32,7 @@ constexpr double kShareOfStep = 0.05;
 constexpr double kShareOfMesh = 0.1;
 constexpr double kShareOfNodes = 0.1;
 constexpr double kShareOfSkeleton = 0.02;
-constexpr double kShareOfCross = 0.25;
+constexpr double kShareOfCross = 0.5;
 /// What fresh points off the grid must show: two thousand do not see the largest error of all.
 constexpr double kFreshMargin = 0.6;
 constexpr double kShareOfRounding = 0.1;
@@ -39,6 +41,8 @@ constexpr int kPilots = 64;
 constexpr int kCheckPoints = 2000;
 constexpr int kMaxNodes = 128;
 constexpr int kMaxRank = 400;
+/// Trajectories of a cross that cannot meet the tolerance.
+constexpr long kMostBeforeFront = 1'000'000;
 
 /// Half of the points in corners of the box, half inside.
 Eigen::MatrixXd corners_and_inside(const Plan& plan, int count, pgd::Random& random) {
@@ -53,53 +57,42 @@ Eigen::MatrixXd corners_and_inside(const Plan& plan, int count, pgd::Random& ran
   return points;
 }
 
-/// From values at `count` Chebyshev-Lobatto points to the sizes of coefficients: rows are coefficients.
-Eigen::MatrixXd chebyshev_transform(int count) {
-  const int degree = count - 1;
-  const auto end = [&](int i) { return i == 0 || i == degree ? 0.5 : 1.0; };
-  Eigen::MatrixXd transform(count, count);
-  for (int j = 0; j < count; ++j) {
-    for (int i = 0; i < count; ++i) {
-      transform(j, i) =
-          2.0 / degree * end(i) * end(j) * std::cos(std::numbers::pi * (i * j % (2 * degree)) / degree);
-    }
-  }
-  return transform;
-}
-
 class SteppedBuild {
  public:
   SteppedBuild(const Plan& plan, const models::ParametricModel& model, long max_calls,
-               const ProgressCallback& progress, const CertifyClaim& certify_claim)
+               const ProgressCallback& progress, const CertifyClaim& certify_claim, const KeptState& kept)
       : plan_(plan),
         source_(model_source(plan, model)),
         certify_claim_(certify_claim),
+        kept_(kept),
         trajectories_(model, plan.end / kFirstSteps, plan.builder.threads, max_calls, progress),
         random_(plan.builder.seed),
         max_rank_(plan.builder.max_rank.value_or(kMaxRank)),
-        max_nodes_(std::min(plan.builder.max_nodes.value_or(kMaxNodes), kMostLine)) {
+        lines_([this](Index k, int nodes) { return axis_of(k, nodes); },
+               [this](const Eigen::MatrixXd& points) { return scaled_values(points, times_); },
+               std::min(plan.builder.max_nodes.value_or(kMaxNodes), LineNodes::kMostLine)) {
     record_.builder = "sampling";
     record_.strategy = "steps";
   }
 
   Outcome<Solution> run() {
     try {
-      choose_step();
+      trajectories_.tell("pilots", 0.0);
+      pilots_ = corners_and_inside(plan_, kPilots, random_);
+      choose_step(trajectories_, pilots_, plan_.end, floors(), kShareOfStep * plan_.relative);
       choose_times();
-      find_decay();
+      look_along_lines();
+      begin();
       approximate_until_met();
     } catch (const SteppedEnd& end) {
       record_.status = end.ending.status;
       record_.message = end.ending.message;
-      if (!field_) return end.ending;
+      if (state_.best.cores.empty()) return end.ending;
     }
     return solution();
   }
 
  private:
-  static constexpr int kFirstSteps = 32;
-  static constexpr int kMostLine = 129;
-
   Index states() const { return static_cast<Index>(source_.outputs.size()); }
   Index coordinates() const { return static_cast<Index>(plan_.box.size()); }
 
@@ -110,50 +103,14 @@ class SteppedBuild {
     return values;
   }
 
-  /// The finer of two steps is kept. What it errs by follows from how fast differences fall: in the fourth order where
-  /// f is smooth, slower at kinks.
-  void choose_step() {
-    constexpr int kMostHalvings = 8;
-    constexpr double kFourthOrder = 16.0;
-    trajectories_.tell("pilots", 0.0);
-    pilots_ = corners_and_inside(plan_, kPilots, random_);
-    std::vector<double> times;
-    for (int i = 0; i <= kFirstSteps; ++i) times.push_back(plan_.end * i / kFirstSteps);
-    Eigen::MatrixXd coarse = trajectories_(pilots_, times);
-    double before = 0.0;
-    for (int halvings = 1;; ++halvings) {
-      trajectories_.halve_step();
-      const Eigen::MatrixXd fine = trajectories_(pilots_, times);
-      const double difference = largest_difference(fine, coarse);
-      const double falls = std::min(before / difference, kFourthOrder);
-      const double error = falls > 2.0 ? difference / (falls - 1.0) : difference;
-      if (error <= kShareOfStep * plan_.relative) return;
-      if (halvings == kMostHalvings) {
-        throw SteppedEnd(
-            {Termination::not_resolved,
-             fmt::format("Runge-Kutta steps of {:.3g} s still err by {:.3g}", trajectories_.step(), error)});
-      }
-      coarse = fine;
-      before = difference;
-    }
-  }
-
-  /// Over the ranges of the states.
-  double largest_difference(const Eigen::MatrixXd& fine, const Eigen::MatrixXd& coarse) const {
-    const auto by_state = fine.reshaped(states(), fine.size() / states());
-    const Eigen::VectorXd difference =
-        (by_state - coarse.reshaped(states(), coarse.size() / states())).cwiseAbs().rowwise().maxCoeff();
-    const Eigen::VectorXd range = by_state.rowwise().maxCoeff() - by_state.rowwise().minCoeff();
-    double largest = 0.0;
+  /// Least ranges of the states.
+  Eigen::VectorXd floors() const {
+    Eigen::VectorXd floors = Eigen::VectorXd::Zero(states());
     for (Index s = 0; s < states(); ++s) {
-      if (difference[s] > 0.0) largest = std::max(largest, difference[s] / std::max(range[s], floor_of(s)));
+      const auto floor = plan_.absolute.find(source_.outputs[static_cast<std::size_t>(s)].name);
+      if (floor != plan_.absolute.end()) floors[s] = floor->second;
     }
-    return largest;
-  }
-
-  double floor_of(Index state) const {
-    const auto floor = plan_.absolute.find(source_.outputs[static_cast<std::size_t>(state)].name);
-    return floor == plan_.absolute.end() ? 0.0 : floor->second;
+    return floors;
   }
 
   void choose_times() {
@@ -167,8 +124,7 @@ class SteppedBuild {
     };
     TimeMeshOptions options;
     options.tolerance = kShareOfMesh * plan_.relative;
-    options.floors.resize(states());
-    for (Index s = 0; s < states(); ++s) options.floors[s] = floor_of(s);
+    options.floors = floors();
     Outcome<TimeMesh> mesh =
         mesh_time({"t", source_.time_unit, pgd::AxisRole::time}, plan_.end, pilots, options);
     if (!mesh) throw SteppedEnd(mesh.ending());
@@ -186,95 +142,62 @@ class SteppedBuild {
                                 entry.upper, nodes);
   }
 
-  /// Per coordinate, what the coefficients from each number on sum to: the error of so many nodes, along the worst
-  /// of some lines.
-  void find_decay() {
+  void look_along_lines() {
+    constexpr int kLines = 32;
     for (Index k = 0; k < coordinates(); ++k) {
       trajectories_.tell("lines", static_cast<double>(k) / static_cast<double>(coordinates()));
-      const Eigen::MatrixXd bases = corners_and_inside(plan_, kLines, random_);
-      Eigen::VectorXd tail;
-      for (int count = 9; count <= kMostLine; count = 2 * count - 1) {
-        tail = tail_along(k, bases, count);
-        if (nodes_for(tail, 0.1 * kShareOfNodes * plan_.relative) < count - 1) break;
-        if (count >= max_nodes_) break;
-      }
-      tails_.push_back(std::move(tail));
+      lines_.look_along(k, corners_and_inside(plan_, kLines, random_), 0.1 * kShareOfNodes * plan_.relative,
+                        plan_.relative);
     }
   }
 
-  static constexpr int kLines = 32;
-
-  Eigen::VectorXd tail_along(Index coordinate, const Eigen::MatrixXd& bases, int count) {
-    const Eigen::VectorXd nodes = axis_of(coordinate, count).nodes();
-    const Eigen::MatrixXd transform = chebyshev_transform(count);
-    Eigen::VectorXd tail = Eigen::VectorXd::Zero(count);
-    constexpr Index kTogether = 8;
-    for (Index first = 0; first < bases.cols(); first += kTogether) {
-      Eigen::MatrixXd points(coordinates(), kTogether * count);
-      for (Index line = 0; line < kTogether; ++line) {
-        points.middleCols(line * count, count) = bases.col(first + line).replicate(1, count);
-        points.block(coordinate, line * count, 1, count) = nodes.transpose();
-      }
-      const Eigen::MatrixXd values = scaled_values(points, times_);
-      for (Index line = 0; line < kTogether; ++line) {
-        Eigen::MatrixXd coefficients =
-            (values.middleCols(line * count, count) * transform.transpose()).cwiseAbs();
-        for (Index j = count - 1; j > 0; --j) coefficients.col(j - 1) += coefficients.col(j);
-        tail = tail.cwiseMax(coefficients.colwise().maxCoeff().transpose());
-      }
+  /// The first round is a coarse one: its pivots make the next cheaper, and its field is there if the calls end. Where
+  /// nodes do not suffice it is the only one: right away from the front.
+  void begin() {
+    constexpr double kCoarse = 5.0;
+    state_.cross_share = kCoarse * kShareOfCross;
+    state_.node_share = 2.0 * kCoarse * kShareOfNodes;
+    state_.random = random_;
+    state_.calls = trajectories_.calls();
+    if (kept_.state.empty()) return;
+    pgd::NumberReader reader(kept_.state);
+    state_.transfer(reader);
+    for (const std::vector<int>& nodes : {state_.nodes, state_.nodes_of_best}) {
+      if (!nodes.empty() && nodes.size() != plan_.box.size())
+        throw ArgumentError("the stored state of a build by steps is of other coordinates");
     }
-    return tail;
+    trajectories_.go_on_from(state_.calls);
   }
 
-  /// The fewest nodes behind which less than `bound` is left.
-  static int nodes_for(const Eigen::VectorXd& tail, double bound) {
-    int nodes = 2;
-    while (nodes < tail.size() && tail[nodes] > bound) ++nodes;
-    return nodes;
+  void keep() {
+    state_.calls = trajectories_.calls();
+    // A certificate that refutes a field has used up its points: what comes after is found again.
+    if (!kept_.save || refuted_ > 0) return;
+    pgd::NumberWriter writer;
+    state_.transfer(writer);
+    kept_.save(writer.numbers());
   }
 
-  std::vector<int> nodes_within(double bound) const {
-    std::vector<int> nodes;
-    for (const Eigen::VectorXd& tail : tails_)
-      nodes.push_back(std::clamp(nodes_for(tail, bound), 2, std::max(2, max_nodes_)));
-    return nodes;
+  Skeleton skeleton(double bound) {
+    const auto some = [&](int count) {
+      return scaled_values(corners_and_inside(plan_, count, random_), times_);
+    };
+    return find_skeleton(some, times_, scale_, 4 * max_rank_, bound);
   }
 
-  /// States at times, between which those of all others are interpolated, over any point of the box.
-  struct Skeleton {
-    std::vector<int> rows;         ///< of a trajectory
-    Eigen::MatrixXd coefficients;  ///< (states x times) x rows
-    std::vector<double> times;     ///< those that occur
-    std::vector<Index> places;     ///< of the rows in trajectories at these times
-  };
-
-  Skeleton find_skeleton(double bound) {
-    constexpr int kFewest = 400, kMost = 6400;
-    for (int count = kFewest;; count *= 2) {
-      const Eigen::MatrixXd values = scaled_values(corners_and_inside(plan_, count, random_), times_);
-      pgd::MaxVolume volume = pgd::max_volume(values, std::min(count, 4 * max_rank_), bound);
-      const auto found = static_cast<int>(volume.rows.size());
-      if (3 * found > count && count < kMost) continue;
-      Skeleton skeleton{std::move(volume.rows), std::move(volume.coefficients), {}, {}};
-      std::vector<Index> used;
-      for (const int row : skeleton.rows) used.push_back(row / states());
-      std::ranges::sort(used);
-      used.erase(std::unique(used.begin(), used.end()), used.end());
-      for (const Index time : used) skeleton.times.push_back(times_[static_cast<std::size_t>(time)]);
-      for (const int row : skeleton.rows) {
-        const auto time = std::ranges::lower_bound(used, row / states()) - used.begin();
-        skeleton.places.push_back(row % states() + states() * time);
-      }
-      return skeleton;
-    }
+  std::vector<pgd::Axis> axes_of(const std::vector<int>& nodes) const {
+    std::vector<pgd::Axis> axes;
+    for (Index k = 0; k < coordinates(); ++k) axes.push_back(axis_of(k, nodes[static_cast<std::size_t>(k)]));
+    return axes;
   }
 
   /// The train of all states at all times over the grid, by crosses whose guards err by at most `tolerance`.
   pgd::CrossResult interpolate(const std::vector<int>& nodes, const Skeleton& skeleton, double tolerance) {
-    std::vector<pgd::Axis> axes;
-    for (Index k = 0; k < coordinates(); ++k) axes.push_back(axis_of(k, nodes[static_cast<std::size_t>(k)]));
+    const std::vector<pgd::Axis> axes = axes_of(nodes);
     const pgd::EntryFunction at_entries = [&](const pgd::IndexBatch& entries, Eigen::MatrixXd& values) {
-      values = scaled_values(pgd::coordinates_at(axes, entries), skeleton.times)(skeleton.places, Eigen::all);
+      const Eigen::MatrixXd all = trajectories_(pgd::coordinates_at(axes, entries), skeleton.times);
+      for (Index j = 0; j < all.cols(); ++j)
+        values.col(j) = skeleton.scale.asDiagonal().inverse() * all.col(j)(skeleton.places);
     };
     pgd::CrossOptions options;
     options.tolerance = tolerance;
@@ -283,21 +206,31 @@ class SteppedBuild {
     options.guard_entries = plan_.builder.guards.value_or(500);
     options.first_pivots = 50;
     options.growth = 1.0;
+    if (lines_.front()) options.max_evaluations = kMostBeforeFront;
     options.seed = random_.bits();
-    if (!nodes_.empty()) options.start = pgd::carried_over(pivots_, nodes_, nodes);
+    if (!state_.nodes.empty()) options.start = pgd::carried_over(state_.pivots, state_.nodes, nodes);
+    options.checkpoint = [this](pgd::CrossState& sweep) {
+      state_.sweep = {sweep};
+      keep();
+    };
+    if (!state_.sweep.empty()) {
+      options.state = state_.sweep.front();
+      trajectories_.go_on_from(state_.calls);
+    }
     const auto rows = static_cast<int>(skeleton.rows.size());
     pgd::CrossResult cross = pgd::interpolate(at_entries, rows, nodes, options);
     pgd::TrainCore first(1, static_cast<int>(skeleton.coefficients.rows()), rows);
     first.left_unfolding() = skeleton.coefficients;
     cross.train.cores[0] = std::move(first);
-    pivots_ = cross.pivots;
-    nodes_ = nodes;
-    axes_ = std::move(axes);
+    state_.sweep.clear();
+    state_.pivots = cross.pivots;
+    state_.nodes = nodes;
     return cross;
   }
 
   /// Largest error at fresh points, off the grid, of all states at all times.
   double error_of(const pgd::TensorTrain& train) {
+    const std::vector<pgd::Axis> axes = axes_of(state_.nodes);
     Eigen::MatrixXd points(coordinates(), kCheckPoints);
     for (double& share : points.reshaped()) share = random_.uniform();
     for (Index k = 0; k < coordinates(); ++k) {
@@ -308,7 +241,7 @@ class SteppedBuild {
     constexpr Index kTogether = 500;
     for (Index first = 0; first < points.cols(); first += kTogether) {
       const Eigen::MatrixXd some = points.middleCols(first, kTogether);
-      const Eigen::MatrixXd error = pgd::many_values_at(train, axes_, some) - scaled_values(some, times_);
+      const Eigen::MatrixXd error = pgd::many_values_at(train, axes, some) - scaled_values(some, times_);
       largest = std::max(largest, error.cwiseAbs().maxCoeff());
     }
     return largest;
@@ -316,68 +249,88 @@ class SteppedBuild {
 
   /// The first core, over states and times, becomes one of the states and one of time: the same numbers in the same
   /// order.
-  pgd::TrainField field_of(pgd::TensorTrain train) const {
+  pgd::TrainField best_field() const {
+    pgd::TensorTrain train = state_.best;
     pgd::TrainCore& first = train.cores.front();
     first.left = static_cast<int>(states());
     first.size = mesh_->axis.size();
     pgd::TrainCore outputs(1, static_cast<int>(states()), static_cast<int>(states()));
     outputs.left_unfolding() = scale_.asDiagonal();
     train.cores.insert(train.cores.begin(), std::move(outputs));
-    std::vector<pgd::Axis> axes = axes_;
+    std::vector<pgd::Axis> axes = axes_of(state_.nodes_of_best);
     axes.insert(axes.begin(), mesh_->axis);
     return {std::move(axes), source_.outputs, std::move(train)};
   }
 
-  /// The first round is a coarse one: its pivots make the next cheaper, and its field is there if the calls end.
   void approximate_until_met() {
     constexpr int kRounds = 6;
-    constexpr double kCoarse = 10.0;
-    const double tolerance = plan_.relative;
-    double last_error = 0.0;
-    double cross_share = kCoarse * kShareOfCross, node_share = kCoarse * kShareOfNodes;
-    for (int round = 1; round <= kRounds; ++round) {
-      trajectories_.tell(round == 1 ? "coarse cross"
-                                    : fmt::format("cross {}, the last errs by {:.2g}", round - 1, last_error),
-                         0.0);
-      const Skeleton skeleton = find_skeleton(kShareOfSkeleton / kShareOfCross * cross_share * tolerance);
-      const pgd::CrossResult cross =
-          interpolate(nodes_within(node_share * tolerance), skeleton, cross_share * tolerance);
-      const double error = error_of(cross.train);
-      last_error = error;
-      record_.rounds = round;
-      if (!field_ || error < error_) {
-        field_ = field_of(cross.train);
-        error_ = error;
-        nodes_of_field_ = nodes_;
-      }
-      if (error <= kFreshMargin * tolerance && is_certified()) return;
-      // The first rank is that of the skeleton, which has no bound.
-      const std::vector<int> ranks = cross.train.ranks();
-      const bool ranks_used_up =
-          std::any_of(ranks.begin() + 1, ranks.end(), [&](int rank) { return rank >= max_rank_; });
-      // The cross errs at nodes already, or only between them.
-      const bool needs_nodes = error > 2.0 * cross.guard_error;
-      if (round == 1) {
-        cross_share = kShareOfCross;
-        node_share = kShareOfNodes;
-      } else {
-        if (needs_nodes) node_share *= 0.2;
-        if (!needs_nodes || cross.guard_error > cross_share * tolerance) cross_share *= 0.5;
-      }
-      const bool nodes_used_up = round > 1 && needs_nodes && nodes_within(node_share * tolerance) == nodes_;
-      if (!ranks_used_up && !nodes_used_up) continue;
-      throw SteppedEnd({Termination::exhausted,
-                        fmt::format("the {} allowed do not suffice", ranks_used_up ? "ranks" : "nodes")});
+    for (; state_.round <= kRounds; ++state_.round) {
+      record_.rounds = state_.round;
+      random_ = state_.random;
+      if (!state_.is_crossed) approximate();
+      if (state_.error <= kFreshMargin * plan_.relative && is_certified()) return;
+      tighten();
     }
     throw SteppedEnd({Termination::stagnated, fmt::format("{} rounds did not meet the tolerance", kRounds)});
   }
 
+  void approximate() {
+    trajectories_.tell(state_.round == 1
+                           ? "coarse cross"
+                           : fmt::format("cross {}, the last errs by {:.2g}", state_.round - 1, state_.error),
+                       0.0);
+    const double tolerance = state_.cross_share * plan_.relative;
+    const Skeleton chosen = skeleton(kShareOfSkeleton / kShareOfCross * tolerance);
+    const pgd::CrossResult cross =
+        interpolate(lines_.within(state_.node_share * plan_.relative), chosen, tolerance);
+    state_.error = error_of(cross.train);
+    state_.guard_error = cross.guard_error;
+    // The first rank is that of the skeleton, which has no bound.
+    const std::vector<int> ranks = cross.train.ranks();
+    state_.are_ranks_used_up =
+        std::any_of(ranks.begin() + 1, ranks.end(), [&](int rank) { return rank >= max_rank_; });
+    if (state_.best.cores.empty() || state_.error < state_.best_error) {
+      state_.best = cross.train;
+      state_.best_error = state_.error;
+      state_.nodes_of_best = state_.nodes;
+    }
+    state_.is_crossed = true;
+    state_.random = random_;
+    keep();
+  }
+
+  /// For the next round. @throws SteppedEnd where ranks or nodes do not allow it
+  void tighten() {
+    // The cross errs at nodes already, or only between them.
+    const bool needs_nodes = state_.error > 2.0 * state_.guard_error;
+    if (state_.round == 1) {
+      state_.cross_share = kShareOfCross;
+      state_.node_share = kShareOfNodes;
+    } else {
+      if (needs_nodes) state_.node_share *= 0.2;
+      if (!needs_nodes || state_.guard_error > state_.cross_share * plan_.relative) state_.cross_share *= 0.5;
+    }
+    const bool are_nodes_used_up =
+        state_.round > 1 && needs_nodes && lines_.within(state_.node_share * plan_.relative) == state_.nodes;
+    if (const std::optional<Front>& front = lines_.front()) {
+      throw SteppedEnd(
+          {Termination::exhausted,
+           fmt::format("{}; the nodes allowed do not suffice",
+                       described(*front, source_.coordinates, source_.outputs, times_, source_.time_unit))});
+    }
+    if (state_.are_ranks_used_up || are_nodes_used_up) {
+      throw SteppedEnd({Termination::exhausted, fmt::format("the {} allowed do not suffice",
+                                                            state_.are_ranks_used_up ? "ranks" : "nodes")});
+    }
+    state_.is_crossed = false;
+  }
+
   /// The best field, with fewer numbers, before the certificate. What is wrong is built again, smaller.
   bool is_certified() {
-    const double unused = std::max(0.0, 0.5 * plan_.relative - error_);
-    rounded_ =
-        pgd::rounded(*field_, scale_, std::ldexp(kShareOfRounding * plan_.relative + unused, -refuted_),
-                     plan_.builder.seed);
+    const double unused = std::max(0.0, 0.5 * plan_.relative - state_.best_error);
+    const pgd::TrainField field = best_field();
+    rounded_ = pgd::rounded(field, scale_, std::ldexp(kShareOfRounding * plan_.relative + unused, -refuted_),
+                            plan_.builder.seed);
     Measured measured = certify_claim_(rounded_->field, static_cast<double>(trajectories_.calls()));
     if (measured.wrong.cols() > 0) {
       ++refuted_;
@@ -385,25 +338,28 @@ class SteppedBuild {
     }
     certificate_ = std::move(measured.certificate);
     record_.status = Termination::converged;
-    record_.message = fmt::format("largest error {:.3g} <= {:.3g} at {} points of the check", error_,
-                                  plan_.relative, kCheckPoints);
+    record_.message = fmt::format("largest error {:.3g} <= {:.3g} at {} points of the check",
+                                  state_.best_error, plan_.relative, kCheckPoints);
     return true;
   }
 
   Outcome<Solution> solution() {
+    const pgd::TrainField field = best_field();
     if (record_.status != Termination::converged) {
-      rounded_ = pgd::rounded(*field_, scale_, kShareOfRounding * plan_.relative, plan_.builder.seed);
-      record_.message += fmt::format("; the best field errs by {:.3g} at {} points", error_, kCheckPoints);
+      rounded_ = pgd::rounded(field, scale_, kShareOfRounding * plan_.relative, plan_.builder.seed);
+      record_.message +=
+          fmt::format("; the best field errs by {:.3g} at {} points", state_.best_error, kCheckPoints);
     }
     record_.message += fmt::format(
         ", with {} trajectories in steps of {:.3g} s; {} elements of time; {} nodes; rounded from {} numbers "
         "to {}",
         trajectories_.calls(), trajectories_.step(), mesh_->axis.elements(),
-        fmt::join(nodes_of_field_, " x "), field_->entries(), rounded_->field.entries());
+        fmt::join(state_.nodes_of_best, " x "), field.entries(), rounded_->field.entries());
     record_.evaluations = static_cast<double>(trajectories_.calls());
     record_.grid_size = 1.0;
-    for (const int n : nodes_of_field_) record_.grid_size *= n;
-    const ErrorBudget spent{.discretisation = mesh_->error, .compression = error_ + rounded_->error};
+    for (const int n : state_.nodes_of_best) record_.grid_size *= n;
+    const ErrorBudget spent{.discretisation = mesh_->error,
+                            .compression = state_.best_error + rounded_->error};
     return Solution{
         {Piece{{std::move(rounded_->field)}}}, std::move(record_), spent, std::move(certificate_)};
   }
@@ -411,21 +367,17 @@ class SteppedBuild {
   const Plan& plan_;
   const SampledSource source_;
   const CertifyClaim& certify_claim_;
+  const KeptState& kept_;
   SteppedTrajectories trajectories_;
   pgd::Random random_;
-  const int max_rank_, max_nodes_;
+  const int max_rank_;
   Eigen::MatrixXd pilots_;
   std::optional<TimeMesh> mesh_;
   Eigen::VectorXd scale_;
   std::vector<double> times_;
-  std::vector<Eigen::VectorXd> tails_;
-  pgd::CrossPivots pivots_;  ///< of the last cross, as are nodes and axes
-  std::vector<int> nodes_;
-  std::vector<pgd::Axis> axes_;
-  std::optional<pgd::TrainField> field_;  ///< the best so far
-  double error_ = 0.0;
+  LineNodes lines_;
+  SteppedState state_;
   int refuted_ = 0;  ///< by certificates
-  std::vector<int> nodes_of_field_;
   std::optional<pgd::RoundedField> rounded_;
   std::optional<Certificate> certificate_;
   BuildRecord record_;
@@ -434,8 +386,9 @@ class SteppedBuild {
 }  // namespace
 
 Outcome<Solution> solve_by_steps(const Plan& plan, const models::ParametricModel& model, long max_calls,
-                                 const ProgressCallback& progress, const CertifyClaim& certify_claim) {
-  return SteppedBuild(plan, model, max_calls, progress, certify_claim).run();
+                                 const ProgressCallback& progress, const CertifyClaim& certify_claim,
+                                 const KeptState& kept) {
+  return SteppedBuild(plan, model, max_calls, progress, certify_claim, kept).run();
 }
 
 }  // namespace samara::codebooks

@@ -44,4 +44,50 @@ Eigen::MatrixXd SteppedTrajectories::operator()(const Eigen::MatrixXd& points,
   return values;
 }
 
+namespace {
+
+/// Over the ranges of the states.
+double largest_difference(const Eigen::MatrixXd& fine, const Eigen::MatrixXd& coarse,
+                          const Eigen::VectorXd& floors) {
+  const Eigen::Index states = floors.size();
+  const auto by_state = fine.reshaped(states, fine.size() / states);
+  const Eigen::VectorXd difference =
+      (by_state - coarse.reshaped(states, coarse.size() / states)).cwiseAbs().rowwise().maxCoeff();
+  const Eigen::VectorXd range = by_state.rowwise().maxCoeff() - by_state.rowwise().minCoeff();
+  double largest = 0.0;
+  for (Eigen::Index s = 0; s < states; ++s) {
+    if (difference[s] > 0.0) largest = std::max(largest, difference[s] / std::max(range[s], floors[s]));
+  }
+  return largest;
+}
+
+}  // namespace
+
+/// The finer of two steps is kept. What it errs by follows from how fast differences fall: in the fourth order where f
+/// is smooth, slower at kinks.
+void choose_step(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilots, double end,
+                 const Eigen::VectorXd& floors, double tolerance) {
+  constexpr int kMostHalvings = 8;
+  constexpr double kFourthOrder = 16.0;
+  std::vector<double> times;
+  for (int i = 0; i <= kFirstSteps; ++i) times.push_back(end * i / kFirstSteps);
+  Eigen::MatrixXd coarse = trajectories(pilots, times);
+  double before = 0.0;
+  for (int halvings = 1;; ++halvings) {
+    trajectories.halve_step();
+    Eigen::MatrixXd fine = trajectories(pilots, times);
+    const double difference = largest_difference(fine, coarse, floors);
+    const double falls = std::min(before / difference, kFourthOrder);
+    const double error = falls > 2.0 ? difference / (falls - 1.0) : difference;
+    if (error <= tolerance) return;
+    if (halvings == kMostHalvings) {
+      throw SteppedEnd(
+          {Termination::not_resolved,
+           fmt::format("Runge-Kutta steps of {:.3g} s still err by {:.3g}", trajectories.step(), error)});
+    }
+    coarse = std::move(fine);
+    before = difference;
+  }
+}
+
 }  // namespace samara::codebooks

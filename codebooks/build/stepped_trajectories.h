@@ -34,6 +34,8 @@ class SteppedTrajectories {
   double step() const { return step_; }
   void halve_step() { step_ *= 0.5; }
   long calls() const { return calls_; }
+  /// Those of an interrupted build count, what is walked again to get there does not.
+  void go_on_from(long calls) { calls_ = calls; }
   /// For the progress callback.
   void tell(std::string stage, double fraction);
 
@@ -46,5 +48,14 @@ class SteppedTrajectories {
   Progress stage_;
   long calls_ = 0;
 };
+
+/// Steps of so many to the end of the time are the first to be tried.
+constexpr int kFirstSteps = 32;
+
+/// Halves the step until the pilots err by no more than the tolerance, over the ranges of the states.
+/// @param pilots coordinates x points  @param floors per state, its least range
+/// @throws SteppedEnd where the steps would have to be too short
+void choose_step(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilots, double end,
+                 const Eigen::VectorXd& floors, double tolerance);
 
 }  // namespace samara::codebooks

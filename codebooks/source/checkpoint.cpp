@@ -27,7 +27,7 @@ std::string format_record() {
 }
 
 /// Kinds of records, by their first letter.
-constexpr char kPlan = 'p', kMarch = 'm', kCalls = 'c';
+constexpr char kPlan = 'p', kMarch = 'm', kSteps = 's', kCalls = 'c';
 
 class RecordWriter {
  public:
@@ -73,8 +73,8 @@ class RecordReader {
   std::string_view rest_;
 };
 
-std::string march_record(const std::vector<double>& before, const std::vector<double>& now) {
-  RecordWriter writer(kMarch);
+std::string state_record(char kind, const std::vector<double>& before, const std::vector<double>& now) {
+  RecordWriter writer(kind);
   for (const ListEdit& edit : edits_between(before, now)) {
     writer.add(std::uint64_t{edit.from});
     writer.add(std::uint64_t{edit.count});
@@ -155,6 +155,11 @@ std::vector<double> Checkpoint::march() const {
   return read(journal).march;
 }
 
+std::vector<double> Checkpoint::steps() const {
+  std::optional<Journal> journal;
+  return read(journal).steps;
+}
+
 std::vector<CallSheet> Checkpoint::calls() const {
   std::optional<Journal> journal;
   return read(journal).calls;
@@ -175,17 +180,19 @@ Checkpoint::Contents Checkpoint::read(std::optional<Journal>& journal) const {
   }
   if (records.size() < 2 || records[1] != kPlan + plan_)
     throw bad_checkpoint(path_, "the checkpoint belongs to another plan");
-  EditedList march;
+  EditedList march, steps;
   Contents contents;
   try {
     for (const std::string& record : std::span(records).subspan(2)) {
       if (record[0] == kMarch) march.apply(edits_of(record));
+      if (record[0] == kSteps) steps.apply(edits_of(record));
       if (record[0] == kCalls) take_sheets(record, contents.calls);
     }
   } catch (const std::out_of_range& error) {
     throw bad_checkpoint(path_, error.what());
   }
   contents.march = march.numbers();
+  contents.steps = steps.numbers();
   return contents;
 }
 
@@ -202,6 +209,7 @@ std::vector<CallSheet> Checkpoint::follow_file() {
     }
   }
   march_ = std::move(found.march);
+  steps_ = std::move(found.steps);
   hold(found.calls);
   return std::move(found.calls);
 }
@@ -211,16 +219,17 @@ void Checkpoint::hold(const std::vector<CallSheet>& calls) {
   for (const CallSheet& sheet : calls) held_.push_back({sheet.points.size(), sheet.values.size()});
 }
 
-void Checkpoint::save_march(const std::vector<double>& state) {
+void Checkpoint::save_state(std::vector<double>& held, const std::vector<double>& state) {
   std::vector<CallSheet> calls = follow_file();
-  const std::string record = journal_ ? march_record(march_, state) : std::string();
+  const std::string record =
+      journal_ ? state_record(&held == &march_ ? kMarch : kSteps, held, state) : std::string();
   if (journal_ && has_room_for(record)) {
     append(record);
-    march_ = state;
+    held = state;
     return;
   }
   if (journal_) calls = this->calls();
-  march_ = state;
+  held = state;
   write_anew(calls);
 }
 
@@ -242,7 +251,7 @@ void Checkpoint::save_calls(const std::vector<CallSheet>& calls) {
 bool Checkpoint::has_room_for(const std::string& record) const {
   constexpr std::uint64_t kSlack = std::uint64_t{1} << 16;
   constexpr std::uint64_t kMostTimes = 4;
-  std::uint64_t numbers = march_.size();
+  std::uint64_t numbers = march_.size() + steps_.size();
   for (const HeldSheet& sheet : held_) numbers += sheet.points + sheet.values;
   return journal_->size() + record.size() <= kSlack + kMostTimes * (plan_.size() + sizeof(double) * numbers);
 }
@@ -258,7 +267,8 @@ void Checkpoint::append(const std::string& record) {
 
 void Checkpoint::write_anew(const std::vector<CallSheet>& calls) {
   std::vector<std::string> records = {format_record(), kPlan + plan_};
-  if (!march_.empty()) records.push_back(march_record({}, march_));
+  if (!march_.empty()) records.push_back(state_record(kMarch, {}, march_));
+  if (!steps_.empty()) records.push_back(state_record(kSteps, {}, steps_));
   if (!calls.empty()) {
     RecordWriter writer(kCalls);
     for (std::size_t place = 0; place < calls.size(); ++place) add_sheet(writer, place, calls[place], 0, 0);

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "samara/base/errors.h"
@@ -25,8 +27,8 @@ struct CallSheet {
   double seconds = 0.0;        ///< that these calls have taken
 };
 
-/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of a march, the calls
-/// of sampling, or both (of a plan of kind "auto").
+/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of a march, that of a build by
+/// steps, the calls of sampling, or some of them (of a plan of kind "auto").
 ///
 /// It is a journal (journal.h) that names program, version and plan, and then says what has changed: a state is
 /// the one before, edited; calls are added. So it costs what is new. When it has grown to some times of what it
@@ -40,12 +42,16 @@ class Checkpoint {
   /// @throws InputError if the file is not there, broken or of another plan or version
   std::vector<double> march() const;
 
+  /// That of a build by steps, likewise.
+  std::vector<double> steps() const;
+
   /// The calls, none if the file holds none. @throws InputError as march()
   std::vector<CallSheet> calls() const;
 
   /// A file that is broken or of another plan is replaced; of this plan, what it holds besides stays.
   /// @throws ArgumentError if it cannot be written
-  void save_march(const std::vector<double>& state);
+  void save_march(const std::vector<double>& state) { save_state(march_, state); }
+  void save_steps(const std::vector<double>& state) { save_state(steps_, state); }
 
   /// @param calls those that this object has saved, and more; others that are in the file are replaced
   /// @throws ArgumentError as save_march()
@@ -53,7 +59,7 @@ class Checkpoint {
 
  private:
   struct Contents {
-    std::vector<double> march;
+    std::vector<double> march, steps;
     std::vector<CallSheet> calls;
   };
   /// How much of a sheet the file holds.
@@ -61,6 +67,8 @@ class Checkpoint {
     std::size_t points = 0, values = 0;
   };
   Contents read(std::optional<Journal>& journal) const;
+  /// @param held march_ or steps_
+  void save_state(std::vector<double>& held, const std::vector<double>& state);
   std::vector<CallSheet> follow_file();
   void hold(const std::vector<CallSheet>& calls);
   bool has_room_for(const std::string& record) const;
@@ -69,9 +77,23 @@ class Checkpoint {
 
   std::filesystem::path path_;
   std::string plan_;
-  std::optional<Journal> journal_;  ///< empty: the file is to be replaced
-  std::vector<double> march_;       ///< in the file
-  std::vector<HeldSheet> held_;     ///< calls in the file
+  std::optional<Journal> journal_;     ///< empty: the file is to be replaced
+  std::vector<double> march_, steps_;  ///< in the file
+  std::vector<HeldSheet> held_;        ///< calls in the file
 };
+
+/// A disk that is full must not end a build that needs no disk: what `save` throws is told, once.
+template <class State>
+std::function<void(const State&)> told_once(std::function<void(const State&)> save,
+                                            std::function<void(const std::string&)> warning) {
+  return [save = std::move(save), warning = std::move(warning), warned = false](const State& state) mutable {
+    try {
+      save(state);
+    } catch (const ArgumentError& error) {
+      if (!warned && warning) warning(std::string("no checkpoint: ") + error.what());
+      warned = true;
+    }
+  };
+}
 
 }  // namespace samara::codebooks

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,8 +9,10 @@
 
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/build/line_nodes.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/trajectory_query.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/models/integrators/integrate.h"
 #include "same_codebook.h"
 #include "sample_books.h"
@@ -127,6 +131,10 @@ TEST_CASE("too few ranks or nodes leave the best field, which says by how much i
     CHECK(result.book.build().status == samara::Termination::exhausted);
     CHECK(result.book.certificate()->max_error > 1e-3);
     CHECK_THAT(result.book.build().message, Contains("allowed do not suffice; the best field errs by"));
+    if (!std::string(limit).starts_with("max_nodes")) continue;
+    CHECK_THAT(result.book.build().message,
+               Contains("changes by its range within") && Contains(" nodes, and 7 err by"));
+    CHECK(result.book.build().rounds == 1);
   }
 }
 
@@ -148,6 +156,96 @@ TEST_CASE("a build by steps that is cancelled on the way has no result, once it 
     }
     CHECK(cancelled);
     CHECK(reports_after == 0);
+  }
+}
+
+TEST_CASE("where lines need more nodes than are allowed, the kind auto ends soon, with the reason") {
+  const BuildResult result =
+      built_by_steps(stepped_plate("kind = \"auto\"\nmax_nodes = 7\n", "12"), {.certificate_points = 50});
+  INFO(result.message);
+  CHECK_FALSE(result.met);
+  CHECK_THAT(result.book.build().message, Contains("changes by its range within"));
+}
+
+TEST_CASE("a build by steps that is killed at any moment and resumed equals an undisturbed one") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path checkpoint = directory / "book.h5.checkpoint";
+  const std::string plan = stepped_plate(kSteps, "6");
+  int whole = 0;
+  const BuildResult undisturbed =
+      built_by_steps(plan, {.certificate_points = 50, .progress = [&](const auto&) {
+                              ++whole;
+                              return true;
+                            }});
+  struct Killed {};
+  std::set<std::string> states;
+  for (int kill = 1; kill < whole; kill += 1 + whole / 12) {
+    int left = kill;
+    BuildOptions options{.certificate_points = 50, .checkpoint = checkpoint};
+    options.progress = [&](const samara::Progress&) {
+      if (--left < 0) throw Killed();
+      return true;
+    };
+    CHECK_THROWS_AS(built_by_steps(plan, options), Killed);
+    const bool has_state = std::filesystem::exists(checkpoint);
+    if (has_state) states.insert(content(checkpoint));
+    int reports = 0;
+    options.resume = true;
+    options.progress = [&](const samara::Progress&) {
+      ++reports;
+      return true;
+    };
+    const BuildResult resumed = built_by_steps(plan, options);
+    INFO("killed at report " << kill << " of " << whole << ", went on with " << reports);
+    check_same_but_provenance(resumed.book, undisturbed.book);
+    CHECK(resumed.message == undisturbed.message);
+    CHECK(directory.file_count() == 0);
+  }
+  CHECK(states.size() >= 2);
+}
+
+TEST_CASE("a state of steps that is of another kind of build is refused") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory / "checkpoint";
+  const Plan plan = parse_plan(stepped_plate(kSteps), "plan.toml");
+  Checkpoint(path, plan.whole_text()).save_steps({1.0, 2.0, 3.0});
+  CHECK(Checkpoint(path, plan.whole_text()).steps() == std::vector<double>{1.0, 2.0, 3.0});
+  CHECK_THAT(error_text<samara::InputError>([&] { build(plan, {.checkpoint = path, .resume = true}); }),
+             Contains("--fresh begins anew"));
+}
+
+TEST_CASE("the nodes of lines follow the width of a front, which is named where they are too many") {
+  // tanh((x - y/10)/w) has poles at a distance of pi w / 2 from [-1, 1]: with n nodes errors fall like
+  // exp(-n pi w / 2), and its steepest slope is a half of its range by w.
+  const double bound = 1e-4, tolerance = 1e-3;
+  for (const double width : {0.3, 0.02}) {
+    LineNodes lines(
+        [](Eigen::Index, int nodes) { return samara::pgd::Axis::chebyshev({"x"}, -1.0, 1.0, nodes); },
+        [&](const Eigen::MatrixXd& points) -> Eigen::MatrixXd {
+          return ((points.row(0) - 0.1 * points.row(1)) / width).array().tanh();
+        },
+        128);
+    const Eigen::MatrixXd bases = Eigen::MatrixXd::Random(2, 8);
+    lines.look_along(0, bases, bound, tolerance);
+    lines.look_along(1, bases, bound, tolerance);
+    const double needed = std::log(1.0 / bound) / (0.5 * 3.14159 * width);
+    const std::vector<int> nodes = lines.within(bound);
+    CAPTURE(width, needed, nodes);
+    CHECK(nodes[1] < nodes[0]);
+    if (width > 0.1) {
+      CHECK_FALSE(lines.front());
+      CHECK(nodes[0] >= 0.8 * needed);
+      CHECK(nodes[0] <= 1.5 * needed + 3);
+    } else {
+      CHECK(nodes[0] == 128);
+      REQUIRE(lines.front());
+      CHECK(lines.front()->coordinate == 0);
+      CHECK(lines.front()->width == Approx(2.0 * width).epsilon(0.1));
+      CHECK(lines.front()->nodes >= 0.8 * std::log(1.0 / tolerance) / (0.5 * 3.14159 * width));
+      CHECK(lines.front()->nodes <= 1.5 * std::log(1.0 / tolerance) / (0.5 * 3.14159 * width));
+      CHECK(lines.front()->error > tolerance);
+      CHECK(lines.front()->allowed == 128);
+    }
   }
 }
 
