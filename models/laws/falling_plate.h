@@ -72,7 +72,7 @@ struct FallingPlate {
 
   template <class S>
   static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
-    to_wrenches(plate(p).forces(x), {x[kVx], x[kVy], x[kOmega]}, terms);
+    to_wrenches(plate(p).forces(x, Heading<S>(x)), {x[kVx], x[kVy], x[kOmega]}, terms);
   }
 
   template <class S>

@@ -138,9 +138,7 @@ struct FallingRectangle {
 
   /// Forces, with torques about the centre of mass.
   template <class S>
-  static PlanarForces<S> force_terms(const Plate<S>& plate, const S* x) {
-    using std::cos;
-    using std::sin;
+  static PlanarForces<S> force_terms(const Plate<S>& plate, const S* x, const Heading<S>& heading) {
     const S& vx = x[kVx];
     const S& vy = x[kVy];
     const S& w = x[kOmega];
@@ -150,15 +148,16 @@ struct FallingRectangle {
     terms[kInertia] = {w * (plate.mass * vy + plate.added_y * vp), -w * (plate.mass + plate.added_x) * vx,
                        vx * (plate.added_x * vy - plate.added_y * vp)};
     const S force = plate.buoyancy - plate.weight;
-    const S c = cos(x[kTheta]);
-    terms[kWeight] = {force * sin(x[kTheta]), force * c, -plate.offset * plate.buoyancy * c};
+    const S& c = heading.cosine;
+    terms[kWeight] = {force * heading.sine, force * c, -plate.offset * plate.buoyancy * c};
     return terms;
   }
 
   template <class S>
   static void rhs(const S&, const S* x, const S* p, S* dxdt) {
     const Plate<S> body = plate(p);
-    const PlanarForce<S> sum = total(force_terms(body, x));
+    const Heading<S> heading(x);
+    const PlanarForce<S> sum = total(force_terms(body, x, heading));
     // Momentum across the chord and angular momentum are coupled by the offset:
     //   mass_y vy' - coupling w' = force,  -coupling vy' + moment w' = torque.
     const S coupling = body.offset * body.added_y;
@@ -168,12 +167,12 @@ struct FallingRectangle {
     dxdt[kVx] = sum.x / (body.mass + body.added_x);
     dxdt[kVy] = (moment * sum.y + coupling * sum.torque) / determinant;
     dxdt[kOmega] = (coupling * sum.y + mass_y * sum.torque) / determinant;
-    planar_kinematics(x, dxdt);
+    planar_kinematics(x, heading, dxdt);
   }
 
   template <class S>
   static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
-    to_wrenches(force_terms(plate(p), x), {x[kVx], x[kVy], x[kOmega]}, terms);
+    to_wrenches(force_terms(plate(p), x, Heading<S>(x)), {x[kVx], x[kVy], x[kOmega]}, terms);
   }
 
   template <class S>

@@ -98,16 +98,30 @@ void to_wrenches(const std::array<PlanarForce<S>, n>& terms, const PlanarMotion<
   }
 }
 
+/// Sine and cosine of theta: weight and path need both, and they cost about as much as all else.
+template <class S>
+struct Heading {
+  S sine, cosine;
+
+  explicit Heading(const S* x) : sine(sine_of(x[kTheta])), cosine(cosine_of(x[kTheta])) {}
+
+ private:
+  static S sine_of(const S& theta) {
+    using std::sin;
+    return sin(theta);
+  }
+  static S cosine_of(const S& theta) {
+    using std::cos;
+    return cos(theta);
+  }
+};
+
 /// Attitude and path: theta' = w, and the velocity turned into the world.
 template <class S>
-void planar_kinematics(const S* x, S* dxdt) {
-  using std::cos;
-  using std::sin;
-  const S s = sin(x[kTheta]);
-  const S c = cos(x[kTheta]);
+void planar_kinematics(const S* x, const Heading<S>& heading, S* dxdt) {
   dxdt[kTheta] = x[kOmega];
-  dxdt[kX] = x[kVx] * c - x[kVy] * s;
-  dxdt[kY] = x[kVx] * s + x[kVy] * c;
+  dxdt[kX] = x[kVx] * heading.cosine - x[kVy] * heading.sine;
+  dxdt[kY] = x[kVx] * heading.sine + x[kVy] * heading.cosine;
 }
 
 /// An elliptic plate about its centre, which is its centre of mass: what is left besides the flow.
@@ -119,24 +133,23 @@ struct EllipticPlate {
   S weight;   ///< less buoyancy
   PlanarFlow<S> flow;
 
-  PlanarForces<S> forces(const S* x) const {
-    using std::cos;
-    using std::sin;
+  PlanarForces<S> forces(const S* x, const Heading<S>& heading) const {
     const S& vx = x[kVx];
     const S& vy = x[kVy];
     const S& w = x[kOmega];
     PlanarForces<S> terms = flow_forces(flow, {vx, vy, w});
     terms[kInertia] = {mass_y * w * vy, -mass_x * w * vx, (mass_x - mass_y) * vx * vy};
-    terms[kWeight] = {-weight * sin(x[kTheta]), -weight * cos(x[kTheta])};
+    terms[kWeight] = {-weight * heading.sine, -weight * heading.cosine};
     return terms;
   }
 
   void rhs(const S* x, S* dxdt) const {
-    const PlanarForce<S> sum = total(forces(x));
+    const Heading<S> heading(x);
+    const PlanarForce<S> sum = total(forces(x, heading));
     dxdt[kVx] = sum.x / mass_x;
     dxdt[kVy] = sum.y / mass_y;
     dxdt[kOmega] = sum.torque / inertia;
-    planar_kinematics(x, dxdt);
+    planar_kinematics(x, heading, dxdt);
   }
 
   S kinetic_energy(const S* x) const {

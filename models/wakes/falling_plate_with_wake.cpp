@@ -108,9 +108,7 @@ struct FallingPlateWithWake {
 
     static const S& density(const S* p) { return p[FallingPlate::kFluidDensity]; }
 
-    PlanarForces<S> forces(const S* x, const S* p) const {
-      using std::cos;
-      using std::sin;
+    PlanarForces<S> forces(const S* x, const Heading<S>& heading, const S* p) const {
       PlanarForces<S> terms = flow_forces(plate.flow, at_pressure);
       const S& w = x[kOmega];
       const S lift = density(p) * chord;
@@ -122,7 +120,7 @@ struct FallingPlateWithWake {
         terms[moved].torque = offset * terms[moved].y;
       terms[kInertia] = {plate.mass_y * w * x[kVy], -plate.mass_x * w * x[kVx],
                          p[kKappa] * (plate.mass_x - plate.mass_y) * x[kVx] * x[kVy]};
-      terms[kWeight] = {-plate.weight * sin(x[kTheta]), -plate.weight * cos(x[kTheta])};
+      terms[kWeight] = {-plate.weight * heading.sine, -plate.weight * heading.cosine};
       return terms;
     }
   };
@@ -130,11 +128,12 @@ struct FallingPlateWithWake {
   template <class S>
   static void rhs(const S&, const S* x, const S* p, S* dxdt) {
     const Flow<S> flow(x, p);
-    const PlanarForce<S> sum = total(flow.forces(x, p));
+    const Heading<S> heading(x);
+    const PlanarForce<S> sum = total(flow.forces(x, heading, p));
     dxdt[kVx] = sum.x / flow.plate.mass_x;
     dxdt[kVy] = sum.y / flow.plate.mass_y;
     dxdt[kOmega] = sum.torque / flow.plate.inertia;
-    planar_kinematics(x, dxdt);
+    planar_kinematics(x, heading, dxdt);
     const S* const wake = p + kWake;
     const S chords = flow.speed / flow.chord;
     dxdt[kGT] = chords / wake[kLagT] * (flow.T.quasi_steady - x[kGT]);
@@ -143,7 +142,7 @@ struct FallingPlateWithWake {
 
   template <class S>
   static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
-    to_wrenches(Flow<S>(x, p).forces(x, p), {x[kVx], x[kVy], x[kOmega]}, terms);
+    to_wrenches(Flow<S>(x, p).forces(x, Heading<S>(x), p), {x[kVx], x[kVy], x[kOmega]}, terms);
   }
 
   template <class S>
