@@ -1,11 +1,13 @@
-"""Fails if two sources of a folder, or of the command, give an anonymous namespace the same name: they may share a
-compilation (SAMARA_UNITY_BUILD), where the two would meet."""
+"""Fails if two sources of a folder, of the small folders of a room, or of the command, give an anonymous namespace the
+same name: they may share a compilation (SAMARA_UNITY_BUILD, samara_compile_together), where the two would meet."""
 
+import collections
 import pathlib
 import re
 import sys
 
-ALONE = {"models/laws", "models/wakes"}  # compiled one by one, with flags of their own
+ALONE = re.compile(r"models/(laws|wakes)/(?!registry|ambient_flow)")  # compiled one by one, with flags of their own
+FEW = 5  # sources: a folder of no more may be a small one, whose sources meet those of others in its room
 ROOMS = ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion", "python", "apps", "tests"]
 ACROSS_FOLDERS = {"apps"}
 
@@ -38,14 +40,18 @@ wrong = []
 seen = 0
 for room in ROOMS:
     first = {}
-    for file in sorted((root / room).rglob("*.cpp")):
-        if str(file.parent.relative_to(root)) in ALONE:
-            continue
+    files = [f for f in sorted((root / room).rglob("*.cpp")) if not ALONE.match(str(f.relative_to(root)))]
+    beside = collections.Counter(f.parent for f in files)
+    for file in files:
+        library = pathlib.Path(room, file.relative_to(root).parts[1] if room == "tests" else "")
+        meets = {library if room in ACROSS_FOLDERS else file.parent}
+        if beside[file.parent] <= FEW:
+            meets.add((library, "small folders"))
         for name, meaning in names_of(file):
             seen += 1
-            scope = room if room in ACROSS_FOLDERS else file.parent
-            other, known = first.setdefault((scope, name), (file, meaning))
-            if known != meaning:
-                wrong.append(f"{file.relative_to(root)}: {name} is also in {other.name}")
+            for scope in meets:
+                other, known = first.setdefault((scope, name), (file, meaning))
+                if known != meaning:
+                    wrong.append(f"{file.relative_to(root)}: {name} is also in {other.name}")
 print("\n".join(wrong) or f"{seen} names, each of one source")
 sys.exit(1 if wrong or seen == 0 else 0)
