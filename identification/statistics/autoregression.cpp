@@ -7,7 +7,6 @@
 #include <optional>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -18,82 +17,45 @@ namespace samara::identification {
 namespace {
 
 constexpr double kUnsaid = std::numeric_limits<double>::quiet_NaN();
-constexpr int kCubicFrames = 9;    ///< through which speeds are taken
-constexpr std::size_t kParts = 5;  ///< of the clusters
+constexpr std::size_t kParts = 5;       ///< of the clusters
+constexpr double kFarthestBack = 24.0;  ///< intervals, of places that a correction sees
+constexpr double kLeastSeen = 0.75;     ///< of the way back to these
 constexpr double kPenalties[] = {1.0, 3.0, 10.0, 30.0, 100.0, 1000.0};
 
-std::vector<int> others_of(const Components& components, Eigen::Index count) {
-  std::vector<int> others;
-  for (int c = 0; c < count; ++c) {
-    if (std::ranges::count(components.level, c) == 0) others.push_back(c);
-  }
-  return others;
+/// Speeds and known numbers before they are bounded.
+Eigen::VectorXd speeds_of(const RecentMotion& recent, const Eigen::VectorXd& known,
+                          const Components& components) {
+  const std::vector<int> others = others_of(components, recent.last.size());
+  const Eigen::Index levels = components.level.empty() ? 0 : 1;
+  Eigen::VectorXd speeds(std::ssize(others) + levels + known.size());
+  Eigen::Index place = 0;
+  for (const int c : others) speeds[place++] = recent.rates(0, c);
+  if (levels > 0) speeds[place++] = recent.rates(0, components.level).squaredNorm();
+  speeds.tail(known.size()) = known;
+  return speeds;
 }
 
-/// What the newest frames show.
-struct Recent {
-  Eigen::RowVectorXd last = {};
-  Eigen::MatrixXd places = {};  ///< as seen from the last, the newest first: kPlaces - 1 x components
-  Eigen::MatrixXd rates = {};   ///< d_1, d_2, d_3, as displacements in one frame: 3 x components
-  Eigen::VectorXd speeds = {};  ///< bounded features before they are bounded: speeds, then known numbers
+/// Of a motion that is to be corrected.
+struct CorrectionMoment {
+  LevelFrame frame;
+  Mirrored features = {};
 };
 
-/// Those that show every component.
-std::vector<Eigen::Index> complete_frames(const SeenMotion& seen) {
-  std::vector<Eigen::Index> frames;
-  for (Eigen::Index k = 0; k < seen.times.size(); ++k) {
-    if (seen.positions.row(k).allFinite()) frames.push_back(k);
-  }
-  return frames;
+CorrectionMoment correction_moment(const SeenMotion& seen, const RecentMotion& recent,
+                                   const Eigen::VectorXd& known, const Components& components,
+                                   double way_back) {
+  const Eigen::Vector4d intervals = Eigen::Vector4d(0.25, 0.5, 0.75, 1.0) * way_back;
+  Eigen::MatrixXd displacements(recent.rates.rows() + intervals.size(), recent.last.size());
+  displacements << recent.rates, places_back(seen, intervals);
+  const LevelFrame frame(components, recent.rates.row(0));
+  CorrectionMoment moment{.frame = frame, .features = frame.split(displacements)};
+  // The velocity has no part across itself.
+  if (components.level.size() == 2) moment.features.odd[0] = 0.0;
+  const Eigen::Index count = moment.features.even.size();
+  moment.features.even.conservativeResize(count + known.size());
+  moment.features.even.tail(known.size()) = known;
+  return moment;
 }
-
-/// Places at even intervals back from the newest, between frames on straight lines.
-std::optional<Recent> recent_of(const SeenMotion& seen, const Eigen::VectorXd& known,
-                                const Components& components) {
-  const std::vector<Eigen::Index> frames = complete_frames(seen);
-  if (frames.size() < 4) return {};
-  const Eigen::VectorXd times = seen.times(frames);
-  const Eigen::MatrixXd positions = seen.positions(frames, Eigen::all);
-  const double interval = median_interval(times);
-  const Eigen::Index newest = times.size() - 1;
-  Recent recent{.last = positions.row(newest)};
-  recent.places.resize(Autoregression::kPlaces - 1, positions.cols());
-  Eigen::Index after = newest;
-  for (Eigen::Index k = 0; k < recent.places.rows(); ++k) {
-    // A motion seen for less goes on backwards as it was first seen: the oldest two frames.
-    const double at = times[newest] - static_cast<double>(k + 1) * interval;
-    while (after > 1 && times[after - 1] >= at) --after;
-    const double part = (at - times[after - 1]) / (times[after] - times[after - 1]);
-    recent.places.row(k) =
-        positions.row(after - 1) + part * (positions.row(after) - positions.row(after - 1)) - recent.last;
-  }
-  recent.rates = recent_rates(seen);
-  const std::vector<int> others = others_of(components, positions.cols());
-  const bool has_level = !components.level.empty();
-  recent.speeds.resize(std::ssize(others) + (has_level ? 1 : 0) + known.size());
-  Eigen::Index place = 0;
-  for (const int c : others) recent.speeds[place++] = recent.rates(0, c);
-  if (has_level) recent.speeds[place++] = recent.rates(0, components.level).squaredNorm();
-  recent.speeds.tail(known.size()) = known;
-  return recent;
-}
-
-}  // namespace
-
-Eigen::MatrixXd recent_rates(const SeenMotion& seen) {
-  const std::vector<Eigen::Index> frames = complete_frames(seen);
-  if (frames.size() < 4) return Eigen::MatrixXd::Constant(3, seen.positions.cols(), kUnsaid);
-  const Eigen::VectorXd times = seen.times(frames);
-  const Eigen::Index count = std::min<Eigen::Index>(kCubicFrames, times.size());
-  Eigen::MatrixXd powers(count, 4);
-  powers.col(0).setOnes();
-  const Eigen::ArrayXd since = (times.tail(count).array() - times[times.size() - 1]) / median_interval(times);
-  for (Eigen::Index k = 1; k < 4; ++k) powers.col(k) = powers.col(k - 1).array() * since;
-  const Eigen::MatrixXd positions = seen.positions(frames, Eigen::all);
-  return powers.colPivHouseholderQr().solve(positions.bottomRows(count)).bottomRows(3);
-}
-
-namespace {
 
 /// The terms whose weights are sought.
 struct Terms {
@@ -101,9 +63,9 @@ struct Terms {
   std::vector<Eigen::VectorXd> others = {};  ///< of each of the others; the first is the constant
 };
 
-Terms terms_of(const Recent& recent, const Eigen::VectorXd& middle, const Eigen::VectorXd& width,
-               const Components& components) {
-  const Eigen::VectorXd z = ((recent.speeds - middle).array() / width.array()).tanh();
+Terms terms_of(const RecentMotion& recent, const Eigen::VectorXd& speeds, const Eigen::VectorXd& middle,
+               const Eigen::VectorXd& width, const Components& components) {
+  const Eigen::VectorXd z = ((speeds - middle).array() / width.array()).tanh();
   const Eigen::Index places = recent.places.rows(), bounded = z.size();
   const auto varying = [&](int c, Eigen::Ref<Eigen::VectorXd> terms) {
     for (Eigen::Index i = 0; i < bounded; ++i) terms.segment<3>(3 * i) = z[i] * recent.rates.col(c);
@@ -271,25 +233,30 @@ Autoregression Autoregression::fit(std::span<const TrainingMoment> moments, cons
   Autoregression result;
   result.components_ = components;
   if (moments.empty()) return result;
-  std::vector<Recent> recents;
-  std::vector<Eigen::Index> rows;
-  std::vector<std::size_t> parts;  // as cards are dealt, in the order of the clusters' first moments
+  std::vector<RecentMotion> recents;
+  std::vector<Eigen::VectorXd> speeds;
+  std::vector<std::size_t> rows;
   for (std::size_t k = 0; k < moments.size(); ++k) {
-    auto recent = recent_of(moments[k].seen, moments[k].known, components);
+    auto recent = recent_motion(moments[k].seen);
     if (!recent || !moments[k].next.allFinite()) continue;
+    speeds.push_back(speeds_of(*recent, moments[k].known, components));
     recents.push_back(std::move(*recent));
-    rows.push_back(static_cast<Eigen::Index>(k));
-    const std::size_t next_part = result.part_of_.size() % kParts;
-    parts.push_back(result.part_of_.try_emplace(moments[k].cluster, next_part).first->second);
+    rows.push_back(k);
+    result.part_of_[moments[k].cluster] = 0;
   }
   if (result.part_of_.size() < 2) return result;
+  // Clusters are dealt as cards, in the order of their numbers.
+  std::size_t dealt = 0;
+  for (auto& [cluster, part] : result.part_of_) part = dealt++ % kParts;
+  std::vector<std::size_t> parts;
+  for (const std::size_t k : rows) parts.push_back(result.part_of_.at(moments[k].cluster));
 
-  const Eigen::Index bounded = recents.front().speeds.size();
+  const Eigen::Index bounded = speeds.front().size();
   result.middle_.resize(bounded);
   result.width_.resize(bounded);
   for (Eigen::Index i = 0; i < bounded; ++i) {
     std::vector<double> values;
-    for (const Recent& recent : recents) values.push_back(recent.speeds[i]);
+    for (const Eigen::VectorXd& one : speeds) values.push_back(one[i]);
     result.middle_[i] = median(values);
     double squares = 0.0;
     for (const double value : values) squares += std::pow(value - result.middle_[i], 2);
@@ -300,9 +267,8 @@ Autoregression Autoregression::fit(std::span<const TrainingMoment> moments, cons
   std::vector<Terms> terms;
   Eigen::MatrixXd moved(std::ssize(rows), moments.front().next.size());
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    terms.push_back(terms_of(recents[k], result.middle_, result.width_, components));
-    moved.row(static_cast<Eigen::Index>(k)) =
-        moments[static_cast<std::size_t>(rows[k])].next - recents[k].last;
+    terms.push_back(terms_of(recents[k], speeds[k], result.middle_, result.width_, components));
+    moved.row(static_cast<Eigen::Index>(k)) = moments[rows[k]].next - recents[k].last;
   }
   double least = std::numeric_limits<double>::infinity(), chosen = kPenalties[0];
   for (const double penalty : kPenalties) {
@@ -317,32 +283,56 @@ Autoregression Autoregression::fit(std::span<const TrainingMoment> moments, cons
     chosen = penalty;
     result.without_ = std::move(without);
   }
-  if (result.is_fitted()) result.weights_ = Steps::solve(terms, moved, components, chosen);
+  if (!result.is_fitted()) return result;
+  result.weights_ = Steps::solve(terms, moved, components, chosen);
+  if (components.level.size() > 2) return result;
+  std::vector<double> ways;
+  for (const RecentMotion& recent : recents) ways.push_back(recent.seen_for);
+  result.way_back_ = std::min(median(ways), kFarthestBack);
+  std::vector<Mirrored> features, missed;
+  std::vector<std::size_t> parts_of_these;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (recents[k].seen_for < kLeastSeen * result.way_back_) continue;
+    const auto& [cluster, seen, known, next] = moments[rows[k]];
+    CorrectionMoment moment = correction_moment(seen, recents[k], known, components, result.way_back_);
+    missed.push_back(moment.frame.split(moved.row(static_cast<Eigen::Index>(k)) -
+                                        Steps::moved_by(terms[k], result.without_[parts[k]], components)));
+    features.push_back(std::move(moment.features));
+    parts_of_these.push_back(parts[k]);
+  }
+  result.correction_ = KernelCorrection::fit(features, missed, parts_of_these);
   return result;
 }
 
 Eigen::RowVectorXd Autoregression::predict(const SeenMotion& seen, const Eigen::VectorXd& known) const {
-  return predict(weights_, seen, known);
+  return predict(kNoPart, seen, known);
 }
 
 Eigen::RowVectorXd Autoregression::predict_without(int cluster, const SeenMotion& seen,
                                                    const Eigen::VectorXd& known) const {
   const auto part = part_of_.find(cluster);
-  return predict(part == part_of_.end() || !is_fitted() ? weights_ : without_[part->second], seen, known);
+  return predict(part == part_of_.end() ? kNoPart : part->second, seen, known);
 }
 
-Eigen::RowVectorXd Autoregression::predict(const Weights& weights, const SeenMotion& seen,
+Eigen::RowVectorXd Autoregression::predict(std::size_t without, const SeenMotion& seen,
                                            const Eigen::VectorXd& known) const {
   const Eigen::Index count = seen.positions.cols();
-  const auto recent = is_fitted() ? recent_of(seen, known, components_) : std::nullopt;
+  const auto recent = is_fitted() ? recent_motion(seen) : std::nullopt;
   if (!recent) return Eigen::RowVectorXd::Constant(count, kUnsaid);
-  if (recent->speeds.size() != middle_.size()) {
+  const Eigen::VectorXd speeds = speeds_of(*recent, known, components_);
+  if (speeds.size() != middle_.size()) {
     throw ArgumentError(fmt::format(
         "a motion of {} components and {} known numbers was asked for; as many as in training were expected",
         count, known.size()));
   }
-  return recent->last +
-         Steps::moved_by(terms_of(*recent, middle_, width_, components_), weights, components_);
+  const Weights& weights = without == kNoPart ? weights_ : without_[without];
+  const Eigen::RowVectorXd linear =
+      recent->last +
+      Steps::moved_by(terms_of(*recent, speeds, middle_, width_, components_), weights, components_);
+  if (!correction_.is_fitted() || recent->seen_for < kLeastSeen * way_back_) return linear;
+  const CorrectionMoment moment = correction_moment(seen, *recent, known, components_, way_back_);
+  return linear + moment.frame.joined(without == kNoPart ? correction_.at(moment.features)
+                                                         : correction_.without(without, moment.features));
 }
 
 }  // namespace samara::identification

@@ -7,9 +7,12 @@
 #include <Eigen/Core>
 
 #include "samara/identification/statistics/baseline_scores.h"
+#include "samara/identification/statistics/kernel_correction.h"
+#include "samara/identification/statistics/recent_motion.h"
 
 /// What the last places of a motion say of the next, as other motions went on: a linear prediction whose
-/// weights are found on training motions, and vary with the motion's speed.
+/// weights are found on training motions, and vary with the motion's speed; and what such a prediction missed in
+/// moments like this one (kernel_correction.h).
 ///
 /// With the places p_k of the last frames as seen from the newest, and velocity, acceleration and their change
 /// d_1, d_2, d_3 of a cubic through them, the displacement at one horizon is
@@ -20,6 +23,11 @@
 /// median. The level components have the same weights c and e, so that no direction is preferred; every other
 /// component has its own, a constant, and terms in z_i and z_i z_j. Weights are those of least squares, robust
 /// (Huber), with a penalty on their squares that training motions choose: each fifth predicted by the others.
+///
+/// The correction's features are d_1, d_2, d_3 and the places a quarter, a half, three quarters of, and the whole way
+/// back that training moments were seen, along the level velocity and across it; the other components of these; and
+/// the known numbers. It learns what each fifth's motions had left when the others predicted them. A motion seen for
+/// less than three quarters of that way is not corrected, nor are motions with three level components or more.
 namespace samara::identification {
 
 /// One moment of a motion: what was seen before it, and where the motion was later.
@@ -30,20 +38,8 @@ struct TrainingMoment {
   Eigen::RowVectorXd next = {};  ///< measured at the horizon, which is that of all moments; NaN where missing
 };
 
-/// Components that are alike: those of a position that are level. The others stand for themselves.
-struct Components {
-  std::vector<int> level = {};
-};
-
-/// Velocity, acceleration and its change of a cubic through the last frames, at the newest, as displacements in one
-/// frame: 3 x components. NaN where fewer than 4 frames show every component.
-Eigen::MatrixXd recent_rates(const SeenMotion& seen);
-
 class Autoregression {
  public:
-  /// Frames that count, the newest among them.
-  static constexpr int kPlaces = 12;
-
   /// Weights from moments of two clusters or more; those without a next place or too few frames are left out.
   /// @throws ArgumentError for moments of different numbers of components or known numbers, and for a level
   ///   component that there is not
@@ -51,6 +47,8 @@ class Autoregression {
 
   /// Whether there were enough moments, of enough clusters: else every prediction is NaN.
   bool is_fitted() const { return !without_.empty(); }
+  /// Of the linear prediction; it may be none.
+  const KernelCorrection& correction() const { return correction_; }
 
   /// Of a motion with the same components. NaN where too few frames were seen.
   Eigen::RowVectorXd predict(const SeenMotion& seen, const Eigen::VectorXd& known) const;
@@ -64,14 +62,17 @@ class Autoregression {
     Eigen::MatrixXd own = {};    ///< terms x the others
   };
   struct Steps;  ///< of the fit
-  Eigen::RowVectorXd predict(const Weights& weights, const SeenMotion& seen,
-                             const Eigen::VectorXd& known) const;
+  static constexpr std::size_t kNoPart = static_cast<std::size_t>(-1);
+  /// @param without a part of the training; kNoPart: by all of it
+  Eigen::RowVectorXd predict(std::size_t without, const SeenMotion& seen, const Eigen::VectorXd& known) const;
 
   Components components_ = {};
   Eigen::VectorXd middle_ = {}, width_ = {};  ///< of speeds and known numbers
   Weights weights_ = {};
   std::map<int, std::size_t> part_of_ = {};  ///< of each cluster
   std::vector<Weights> without_ = {};        ///< each part
+  double way_back_ = 0.0;                    ///< intervals, of the oldest place that the correction sees
+  KernelCorrection correction_ = {};
 };
 
 }  // namespace samara::identification
