@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -156,10 +157,22 @@ void fit_two_normals(const std::vector<double>& errors, Eigen::Vector2d& weights
   }
 }
 
+/// How much wider the 90 % band of Student's distribution is than a normal one: z = 1.645 in the expansion of Fisher and
+/// Cornish (Technometrics 2 (1960) 209-225), to the second power of 1/freedom.
+double student_widening(double freedom) {
+  const double part = 1.0 / std::max(freedom, 1.0);
+  return 1.0 + 0.926 * part + 0.864 * part * part;
+}
+
 }  // namespace
 
 ErrorDistribution ErrorDistribution::fit(const Eigen::MatrixXd& errors, const Components& components,
-                                         const Eigen::VectorXd& disagreements) {
+                                         const Eigen::VectorXd& disagreements,
+                                         const std::vector<int>& clusters) {
+  if (!clusters.empty() && std::ssize(clusters) != errors.rows()) {
+    throw ArgumentError(
+        fmt::format("{} errors have {} clusters; as many were expected", errors.rows(), clusters.size()));
+  }
   if (disagreements.size() > 0 && disagreements.size() != errors.rows()) {
     throw ArgumentError(fmt::format("{} errors have {} disagreements; as many were expected", errors.rows(),
                                     disagreements.size()));
@@ -172,6 +185,9 @@ ErrorDistribution ErrorDistribution::fit(const Eigen::MatrixXd& errors, const Co
   ErrorDistribution result;
   constexpr std::size_t kFewest = 3;
   if (rows.size() < kFewest) return result;
+  std::set<int> of_these;
+  for (const Eigen::Index row : rows)
+    of_these.insert(clusters.empty() ? static_cast<int>(row) : clusters[static_cast<std::size_t>(row)]);
   std::vector<std::vector<int>> groups;
   if (!components.level.empty()) groups.push_back(components.level);
   result.kind_of_.resize(static_cast<std::size_t>(errors.cols()), 0);
@@ -205,6 +221,7 @@ ErrorDistribution ErrorDistribution::fit(const Eigen::MatrixXd& errors, const Co
         all.push_back((own(static_cast<Eigen::Index>(k), c) - kind.mean) / scales[k]);
     }
     fit_two_normals(all, kind.weights, kind.deviations);
+    kind.deviations *= student_widening(static_cast<double>(of_these.size()) - 1.0);
     result.kinds_.push_back(kind);
   }
   return result;

@@ -31,15 +31,19 @@ Eigen::MatrixXd weighted(std::span<const Eigen::MatrixXd> said, const Eigen::Vec
 Eigen::VectorXd disagreement(std::span<const Eigen::MatrixXd> said);
 
 /// Errors of a predictor: a mean, and two normals about it (heavier tails than one). With a disagreement of
-/// predictors, both deviations grow with a power of it, 0 to 1, found in training.
+/// predictors, both deviations grow with a power of it, 0 to 1, found in training. Errors of one motion are alike, so
+/// the size of errors is known from as many numbers as there are motions: with n of them deviations are as much wider
+/// as Student's distribution with n - 1 degrees of freedom is at its 90 % band.
 class ErrorDistribution {
  public:
   /// @param errors measured less predicted, moments x components; rows with NaN are left out
   /// @param components the level ones have one distribution about 0: no direction is preferred
   /// @param disagreements of the same moments; empty: not used
+  /// @param clusters of the same moments, equal for those of motions that resemble each other; empty: all their own
   /// @throws ArgumentError for sizes that differ
   static ErrorDistribution fit(const Eigen::MatrixXd& errors, const Components& components,
-                               const Eigen::VectorXd& disagreements = {});
+                               const Eigen::VectorXd& disagreements = {},
+                               const std::vector<int>& clusters = {});
 
   /// Fewer than 3 errors in training tell nothing.
   bool is_fitted() const { return !kinds_.empty(); }

@@ -67,10 +67,10 @@ LocalShares LocalShares::fit(std::span<const Eigen::MatrixXd> errors, const Eige
   }
   LocalShares result;
   if (errors.empty()) return result;
-  for (const int cluster : clusters) {
-    const std::size_t next_part = result.part_of_.size() % kSharedParts;
-    result.parts_.push_back(result.part_of_.try_emplace(cluster, next_part).first->second);
-  }
+  for (const int cluster : clusters) result.part_of_[cluster] = 0;
+  std::size_t dealt = 0;  // as cards, in the order of their numbers
+  for (auto& [cluster, part] : result.part_of_) part = dealt++ % kSharedParts;
+  for (const int cluster : clusters) result.parts_.push_back(result.part_of_.at(cluster));
   const Eigen::RowVectorXd mean = features.colwise().mean();
   result.scatter_ =
       (features.rowwise() - mean).colwise().norm() / std::sqrt(static_cast<double>(features.rows()));
@@ -96,22 +96,39 @@ LocalShares LocalShares::fit(std::span<const Eigen::MatrixXd> errors, const Eige
     result.products_.push_back(weights[k] * errors[k] * errors[k].transpose());
 
   result.width_ = kEverywhere;
+  result.best_.assign(kSharedParts + 1, 0);
   if (result.part_of_.size() < 2) return result;
+  for (std::size_t part = 0; part <= kSharedParts; ++part) {
+    Eigen::VectorXd alone = Eigen::VectorXd::Zero(count);
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      if (result.parts_[k] != part) alone += errors[k].rowwise().norm();
+    }
+    alone.minCoeff(&result.best_[part]);
+  }
   double least = std::numeric_limits<double>::infinity();
   for (const double width : {kEverywhere, 2.0, 1.0, 0.5}) {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < errors.size(); ++k) {
-      const Eigen::RowVectorXd here = features.row(static_cast<Eigen::Index>(k));
-      sum += (result.found(here, result.parts_[k], width).transpose() * errors[k]).norm();
+    std::vector<Eigen::VectorXd> found;
+    for (std::size_t k = 0; k < errors.size(); ++k)
+      found.push_back(result.found(features.row(static_cast<Eigen::Index>(k)), result.parts_[k], width));
+    for (const double to_best : {0.0, 0.5, 1.0}) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < errors.size(); ++k)
+        sum += (result.drawn(found[k], result.parts_[k], to_best).transpose() * errors[k]).norm();
+      if (!(sum < least)) continue;
+      least = sum;
+      result.width_ = width;
+      result.to_best_ = to_best;
     }
-    if (sum < least) result.width_ = width;
-    least = std::min(least, sum);
   }
+  result.of_all_ = result.drawn(result.of_all_, kWithAll, result.to_best_);
   return result;
 }
 
+Eigen::VectorXd LocalShares::drawn(const Eigen::VectorXd& shares, std::size_t part, double to_best) const {
+  return (1.0 - to_best) * shares + to_best * Eigen::VectorXd::Unit(shares.size(), best_[part]);
+}
+
 Eigen::VectorXd LocalShares::found(const Eigen::RowVectorXd& features, std::size_t part, double width) const {
-  if (std::isinf(width) && part == kWithAll) return of_all_;
   const Eigen::RowVectorXd here = features.cwiseQuotient(scatter_);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(of_all_.size(), of_all_.size());
   for (std::size_t k = 0; k < products_.size(); ++k) {
@@ -124,13 +141,18 @@ Eigen::VectorXd LocalShares::found(const Eigen::RowVectorXd& features, std::size
   return least_error_shares(normal, of_all_);
 }
 
+Eigen::VectorXd LocalShares::shares(const Eigen::RowVectorXd& features, std::size_t part) const {
+  if (std::isinf(width_) && part == kWithAll) return of_all_;
+  return drawn(found(features, part, width_), part, to_best_);
+}
+
 Eigen::VectorXd LocalShares::at(const Eigen::RowVectorXd& features) const {
-  return of_all_.size() == 0 ? of_all_ : found(features, kWithAll, width_);
+  return of_all_.size() == 0 ? of_all_ : shares(features, kWithAll);
 }
 
 Eigen::VectorXd LocalShares::without(int cluster, const Eigen::RowVectorXd& features) const {
   const auto part = part_of_.find(cluster);
-  return part == part_of_.end() ? at(features) : found(features, part->second, width_);
+  return part == part_of_.end() ? at(features) : shares(features, part->second);
 }
 
 }  // namespace samara::identification

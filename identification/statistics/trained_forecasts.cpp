@@ -52,12 +52,13 @@ Eigen::VectorXd disagreement_of(const std::vector<Eigen::MatrixXd>& said) {
   return disagreement(compared);
 }
 
-/// Speed and acceleration in one frame, as logarithms.
-Eigen::RowVectorXd features_of(const SeenMotion& seen) {
+/// Speed and acceleration in one frame, and how far predictors lie apart, as logarithms.
+Eigen::RowVectorXd features_of(const SeenMotion& seen, double disagreement) {
   constexpr double kLeast = 1e-9;
   const Eigen::MatrixXd rates = recent_rates(seen);
-  Eigen::RowVectorXd features(2);
-  features << std::log(rates.row(0).norm() + kLeast), std::log(rates.row(1).norm() + kLeast);
+  Eigen::RowVectorXd features(3);
+  features << rates.row(0).norm(), rates.row(1).norm(), disagreement;
+  features = (features.array() + kLeast).log();
   return features.array().isNaN().select(0.0, features);
 }
 
@@ -93,7 +94,9 @@ std::vector<Eigen::MatrixXd> TrainedForecasts::said_by_all(std::span<const Asked
   std::vector<Eigen::MatrixXd> said(count, Eigen::MatrixXd(std::ssize(moments), columns));
   for (std::size_t k = 0; k < moments.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
-    const auto& [moment, time, model] = moments[k];
+    const TrainingMoment& moment = moments[k].moment;
+    const double time = moments[k].time;
+    const Eigen::RowVectorXd& model = moments[k].model;
     said.front().row(row) = model.size() == columns ? model : silent(columns);
     for (std::size_t b = 0; b < all_baselines().size(); ++b)
       said[b + 1].row(row) =
@@ -118,16 +121,24 @@ std::vector<Eigen::MatrixXd> TrainedForecasts::heard_by_mixtures(const AskedMome
 }
 
 TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> moments, const Components& components) {
+  std::vector<TrainingMoment> seen;
+  for (const AskedMoment& one : moments) seen.push_back(one.moment);
+  return train(moments, components, Autoregression::fit(seen, components));
+}
+
+TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> all_moments,
+                                         const Components& components, const Autoregression& autoregression) {
   TrainedForecasts result;
   result.components_ = components;
-  std::vector<TrainingMoment> seen;
+  result.autoregression_ = autoregression;
+  std::vector<AskedMoment> moments;
   std::vector<Eigen::Index> all, asked;
-  for (const AskedMoment& one : moments) {
+  for (const AskedMoment& one : all_moments) {
+    if (one.for_autoregression_only) continue;
     if (one.model.size() > 0) asked.push_back(std::ssize(all));
     all.push_back(std::ssize(all));
-    seen.push_back(one.moment);
+    moments.push_back(one);
   }
-  result.autoregression_ = Autoregression::fit(seen, components);
   const std::vector<Eigen::MatrixXd> said = result.said_by_all(moments, true);
   result.gains_.assign(all_baselines().size(), 0.0);
   result.shortest_way_ = std::numeric_limits<double>::infinity();
@@ -140,9 +151,16 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> moments, c
     result.shortest_way_ = std::min(result.shortest_way_, way_of(one));
   }
   Eigen::MatrixXd measured(std::ssize(moments), said.front().cols());
-  for (const Eigen::Index row : all) measured.row(row) = seen[static_cast<std::size_t>(row)].next;
+  std::vector<int> of_all, of_asked;  // clusters
+  for (const Eigen::Index row : all) {
+    const AskedMoment& one = moments[static_cast<std::size_t>(row)];
+    measured.row(row) = one.moment.next;
+    of_all.push_back(one.moment.cluster);
+    if (one.model.size() > 0) of_asked.push_back(one.moment.cluster);
+  }
   result.of_baselines_ = shares_of(baselines_of(said), measured, all);
   result.mixed_ = speakers(said, asked);
+  const Eigen::VectorXd disagreements = disagreement_of(said);
   // Shares from moments in which all of these speak.
   std::vector<Eigen::MatrixXd> errors;
   std::vector<Eigen::RowVectorXd> features;
@@ -153,25 +171,28 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> moments, c
       error.row(static_cast<Eigen::Index>(m)) = said[result.mixed_[m]].row(row) - measured.row(row);
     if (!error.allFinite()) continue;
     errors.push_back(error);
-    features.push_back(features_of(seen[static_cast<std::size_t>(row)].seen));
-    clusters.push_back(seen[static_cast<std::size_t>(row)].cluster);
+    const TrainingMoment& moment = moments[static_cast<std::size_t>(row)].moment;
+    features.push_back(features_of(moment.seen, disagreements[row]));
+    clusters.push_back(moment.cluster);
   }
-  Eigen::MatrixXd rows(std::ssize(features), 2);
+  Eigen::MatrixXd rows(std::ssize(features), 3);
   for (std::size_t k = 0; k < features.size(); ++k) rows.row(static_cast<Eigen::Index>(k)) = features[k];
   result.shares_ = LocalShares::fit(errors, rows, clusters);
-  for (std::size_t m = 0; m + 1 < said.size(); ++m)
-    result.errors_.push_back(ErrorDistribution::fit(measured - said[m], components));
-  result.errors_.push_back(
-      ErrorDistribution::fit(measured - weighted(baselines_of(said), result.of_baselines_), components));
-  result.errors_.push_back(ErrorDistribution::fit(measured - said.back(), components));
+  const auto add_errors = [&](const Eigen::MatrixXd& one) {
+    result.errors_.push_back(ErrorDistribution::fit(measured - one, components, {}, of_all));
+  };
+  for (std::size_t m = 0; m + 1 < said.size(); ++m) add_errors(said[m]);
+  add_errors(weighted(baselines_of(said), result.of_baselines_));
+  add_errors(said.back());
   Eigen::MatrixXd of_mixture = Eigen::MatrixXd::Constant(std::ssize(asked), measured.cols(), kSilence);
   for (std::size_t k = 0; k < asked.size() && result.shares_.of_all().size() > 0; ++k) {
-    const TrainingMoment& moment = seen[static_cast<std::size_t>(asked[k])];
-    const Eigen::VectorXd shares = result.shares_.without(moment.cluster, features_of(moment.seen));
+    const TrainingMoment& moment = moments[static_cast<std::size_t>(asked[k])].moment;
+    const Eigen::VectorXd shares =
+        result.shares_.without(moment.cluster, features_of(moment.seen, disagreements[asked[k]]));
     of_mixture.row(static_cast<Eigen::Index>(k)) =
         measured.row(asked[k]) - mixed(said, result.mixed_, shares, asked[k]);
   }
-  result.errors_.push_back(ErrorDistribution::fit(of_mixture, components, disagreement_of(said)(asked)));
+  result.errors_.push_back(ErrorDistribution::fit(of_mixture, components, disagreements(asked), of_asked));
   return result;
 }
 
@@ -196,7 +217,8 @@ std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked) const 
   add(kMixtureOfBaselines,
       of_baselines.allFinite() ? of_baselines : weighted(baselines_of(said), of_baselines_).row(0), 1.0);
   add(kAutoregression, said.back().row(0), 1.0);
-  const Eigen::VectorXd shares = shares_.at(features_of(asked.moment.seen));
+  const double disagreement = disagreement_of(said)[0];
+  const Eigen::VectorXd shares = shares_.at(features_of(asked.moment.seen, disagreement));
   Eigen::RowVectorXd mixture = silent(said.front().cols());
   if (shares.size() > 0) {
     const Eigen::VectorXd alike = Eigen::VectorXd::Ones(shares.size());
@@ -204,7 +226,7 @@ std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked) const 
     if (!mixture.allFinite()) mixture = mixed(heard, mixed_, alike, 0);
     if (!mixture.allFinite()) mixture = mixed(said, mixed_, shares, 0);
   }
-  add(kMixture, mixture, disagreement_of(said)[0]);
+  add(kMixture, mixture, disagreement);
   return forecasts;
 }
 

@@ -15,8 +15,8 @@
 ///
 /// Predictors are the model, the plain baselines (baseline_scores.h), the "mixture of baselines" (shares of
 /// convex_shares()), the "autoregression" of training motions, and the "mixture" of model, autoregression and
-/// baselines, with shares that vary with speed and acceleration where that helps (local_shares.h). All shares and
-/// weights come from training moments. The mixture's errors grow with the disagreement of predictors, those of
+/// baselines, with shares that vary with speed, acceleration and disagreement of predictors where that helps
+/// (local_shares.h). All shares and weights come from training moments. The mixture's errors grow with the disagreement of predictors, those of
 /// the others do not.
 ///
 /// What training moments taught of a baseline holds for moments in which it is about as sure: where the noise of frames
@@ -36,8 +36,11 @@ bool is_plain(const std::string& predictor);
 struct AskedMoment {
   TrainingMoment moment = {};
   double time = 0.0;  ///< s, of the next place, in the times of what was seen
-  Eigen::RowVectorXd model =
-      {};  ///< what the model says, fitted without the moment's motion; empty: not asked
+  /// What the model says, fitted without the moment's motion; empty: not asked.
+  Eigen::RowVectorXd model = {};
+  /// In training: it is less like those that are to be forecast, as of another body that known numbers tell from theirs,
+  /// and teaches the autoregression alone.
+  bool for_autoregression_only = false;
 };
 
 struct SaidForecast {
@@ -51,6 +54,10 @@ class TrainedForecasts {
   /// @param moments of one horizon. Those without a model train the autoregression and what is said of
   ///   baselines; those with one everything else
   static TrainedForecasts train(std::span<const AskedMoment> moments, const Components& components);
+  /// With an autoregression that these moments, but for their models, have trained.
+  static TrainedForecasts train(std::span<const AskedMoment> moments, const Components& components,
+                                const Autoregression& autoregression);
+  const Autoregression& autoregression() const { return autoregression_; }
 
   /// In the order: model, baselines, mixture of baselines, autoregression, mixture.
   std::vector<SaidForecast> say(const AskedMoment& asked) const;

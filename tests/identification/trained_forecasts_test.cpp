@@ -290,3 +290,135 @@ TEST_CASE("a point under water weighs less, and what is lighter than water rises
     CHECK(predict(Baseline::point_with_drag, seen, time)(0, 2) == Approx(height(1.2)).margin(1e-6));
   }
 }
+
+namespace {
+
+/// Bodies that swing in the plane of an axis of their own, faster the wider (a pendulum), and turn about the vertical
+/// the faster the wider too: no sum of places with constant weights foresees them.
+AskedMoment bending(std::uint64_t number) {
+  samara::Stream stream(41, number);
+  const double heading = 6.28 * stream.uniform(), phase = 6.28 * stream.uniform();
+  const double wide = 0.3 + 2.0 * stream.uniform(), hand = stream.uniform() < 0.5 ? -1.0 : 1.0;
+  const double frequency = 12.0 * (1.0 - 0.2 * wide);
+  const auto place = [&](double t) -> Eigen::RowVector3d {
+    const double swing = 0.1 * wide * std::sin(frequency * t + phase), angle = heading + hand * wide * t;
+    return {std::cos(angle) * swing, std::sin(angle) * swing, -t};
+  };
+  SeenMotion seen{.times = Eigen::VectorXd::LinSpaced(kSeenFrames, 0.0, (kSeenFrames - 1) * kFrameTime),
+                  .positions = Eigen::MatrixXd(kSeenFrames, 3),
+                  .up = 2};
+  for (int k = 0; k < kSeenFrames; ++k) seen.positions.row(k) = place(seen.times[k]);
+  const double time = seen.times[kSeenFrames - 1] + 2.0 * kWayAhead;
+  return {.moment = {.cluster = static_cast<int>(number / 4), .seen = std::move(seen), .next = place(time)},
+          .time = time};
+}
+
+Autoregression of_bending(std::uint64_t count) {
+  std::vector<TrainingMoment> moments;
+  for (std::uint64_t k = 0; k < count; ++k) moments.push_back(bending(k).moment);
+  return Autoregression::fit(moments, kLevel);
+}
+
+double rms_of(const Autoregression& trained) {
+  double squares = 0.0;
+  for (std::uint64_t k = 5000; k < 5100; ++k) {
+    const TrainingMoment one = bending(k).moment;
+    squares += (trained.predict(one.seen, {}) - one.next).squaredNorm();
+  }
+  return std::sqrt(squares / 100.0);
+}
+
+}  // namespace
+
+TEST_CASE("a correction learns what no linear prediction can, the more it has seen") {
+  const Autoregression few = of_bending(80), many = of_bending(640);
+  REQUIRE(many.correction().is_fitted());
+  CHECK(rms_of(many) < 0.6 * rms_of(few));
+  // Motions too short for its places are left to the linear prediction.
+  SeenMotion short_one = bending(9000).moment.seen;
+  const Eigen::VectorXd times = short_one.times.tail(8);
+  const Eigen::MatrixXd positions = short_one.positions.bottomRows(8);
+  short_one.times = times;
+  short_one.positions = positions;
+  CHECK(many.predict(short_one, {}).allFinite());
+}
+
+TEST_CASE("a corrected forecast turns with the motion, and is its mirror image's") {
+  const Autoregression trained = of_bending(200);
+  REQUIRE(trained.correction().is_fitted());
+  const Eigen::Matrix2d turn = (Eigen::Matrix2d() << 0.6, -0.8, 0.8, 0.6).finished(),
+                        mirror = (Eigen::Matrix2d() << 0.28, 0.96, 0.96, -0.28).finished();
+  for (std::uint64_t k = 6000; k < 6020; ++k) {
+    const SeenMotion seen = bending(k).moment.seen;
+    for (const Eigen::Matrix2d& change : {turn, mirror}) {
+      SeenMotion changed = seen;
+      changed.positions.leftCols<2>() = seen.positions.leftCols<2>() * change.transpose();
+      Eigen::RowVectorXd expected = trained.predict(seen, {});
+      expected.head<2>() = expected.head<2>() * change.transpose();
+      CHECK((trained.predict(changed, {}) - expected).norm() < 1e-9);
+      expected = trained.predict_without(3, seen, {});
+      expected.head<2>() = expected.head<2>() * change.transpose();
+      CHECK((trained.predict_without(3, changed, {}) - expected).norm() < 1e-9);
+    }
+  }
+}
+
+TEST_CASE("the order of training moments does not matter") {
+  std::vector<AskedMoment> moments = all_asked(0, 120, 5e-3);
+  for (std::uint64_t k = 200; k < 320; ++k) moments.push_back(moment(k));
+  const TrainedForecasts trained = TrainedForecasts::train(moments, kLevel);
+  std::ranges::reverse(moments);
+  const TrainedForecasts reversed = TrainedForecasts::train(moments, kLevel);
+  for (const AskedMoment& one : all_asked(7000, 10, 5e-3)) {
+    const auto said = trained.say(one), again = reversed.say(one);
+    REQUIRE(said.size() == again.size());
+    for (std::size_t p = 0; p < said.size(); ++p) {
+      CAPTURE(said[p].predictor);
+      if (said[p].mean.allFinite()) CHECK((said[p].mean - again[p].mean).norm() < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("moments for the autoregression alone teach it, and nothing else") {
+  std::vector<AskedMoment> moments = all_asked(0, 80, 5e-3);
+  const TrainedForecasts alone = TrainedForecasts::train(moments, kLevel);
+  for (std::uint64_t k = 400; k < 480; ++k) {
+    moments.push_back(moment(k));
+    moments.back().for_autoregression_only = true;
+    moments.back().moment.next[2] += 0.05;
+  }
+  const TrainedForecasts both = TrainedForecasts::train(moments, kLevel);
+  const AskedMoment one = asked(8000, 5e-3);
+  const auto said = alone.say(one), with = both.say(one);
+  for (std::size_t p = 0; p < said.size(); ++p) {
+    CAPTURE(said[p].predictor);
+    if (!is_plain(said[p].predictor) || said[p].parts.empty()) continue;
+    CHECK(with[p].mean == said[p].mean);
+    CHECK(with[p].parts[0].deviations == said[p].parts[0].deviations);
+  }
+  CHECK_FALSE(both.autoregression().predict(one.moment.seen, {}) ==
+              alone.autoregression().predict(one.moment.seen, {}));
+}
+
+TEST_CASE("one component alone is corrected too, and a level one as its mirror image is") {
+  const auto along = [](std::uint64_t number) {
+    TrainingMoment one = bending(number).moment;
+    const Eigen::MatrixXd x = one.seen.positions.leftCols<1>();
+    const Eigen::RowVectorXd next = one.next.head<1>();
+    one.seen.positions = x;
+    one.seen.up = -1;
+    one.next = next;
+    return one;
+  };
+  std::vector<TrainingMoment> moments;
+  for (std::uint64_t k = 0; k < 300; ++k) moments.push_back(along(k));
+  for (const Components& components : {Components{}, Components{.level = {0}}}) {
+    const Autoregression trained = Autoregression::fit(moments, components);
+    REQUIRE(trained.correction().is_fitted());
+    SeenMotion seen = along(4000).seen;
+    const Eigen::RowVectorXd forecast = trained.predict(seen, {});
+    CHECK(forecast.allFinite());
+    seen.positions = -seen.positions;
+    if (!components.level.empty()) CHECK((trained.predict(seen, {}) + forecast).norm() < 1e-9);
+  }
+}
