@@ -177,7 +177,7 @@ void carry_on(const models::TrajectoryFamily& family, const Capture& capture,
 
 CapturePrediction predict_capture(const models::TrajectoryFamily& family, const Capture& capture,
                                   const PredictedOutputs& predicted, const FitOptions& all_options,
-                                  const PredictionOptions& prediction) {
+                                  const PredictionOptions& prediction, bool asks_model) {
   CapturePrediction result{.file = capture.file,
                            .motion = capture.motion.empty() ? capture.id : capture.motion,
                            .part = capture.id};
@@ -232,7 +232,8 @@ CapturePrediction predict_capture(const models::TrajectoryFamily& family, const 
   }
   if (!result.lack.empty()) return result;
   add_rates(family, known, predicted, before, result);
-  carry_on(family, known, predicted, options, unknowns, capture.times(after).cwiseMin(last), result);
+  if (asks_model)
+    carry_on(family, known, predicted, options, unknowns, capture.times(after).cwiseMin(last), result);
   return result;
 }
 

@@ -43,8 +43,9 @@ struct CapturePrediction {
 /// Fits what is the capture's own to its span, and carries the model on.
 /// @param options of a fit with the coefficients held; known coordinates of which the capture has no value
 ///   are unknowns of its own
+/// @param asks_model whether the model is asked: else only what was seen and what followed is told
 CapturePrediction predict_capture(const models::TrajectoryFamily& family, const Capture& capture,
                                   const PredictedOutputs& predicted, const FitOptions& options,
-                                  const PredictionOptions& prediction);
+                                  const PredictionOptions& prediction, bool asks_model = true);
 
 }  // namespace samara::identification

@@ -22,6 +22,7 @@ AskedMoment asked(const CapturePrediction& one, const Quantity& quantity, Eigen:
                                        ? Eigen::RowVectorXd(one.model(frame, quantity.columns))
                                        : Eigen::RowVectorXd();
   if (model.size() > 0 && model.allFinite()) moment.model = model;
+  moment.for_autoregression_only = one.model.size() == 0;
   return moment;
 }
 
@@ -52,9 +53,13 @@ std::map<long, std::vector<FrameAhead>> frames_by_horizon(std::span<const Captur
     for (Eigen::Index frame = 0; frame < predictions[k].times.size(); ++frame)
       frames[std::lround(ahead_of(predictions[k], frame) / interval)].push_back({k, frame});
   }
-  std::size_t most = 0;
-  for (const auto& [horizon, of_horizon] : frames) most = std::max(most, of_horizon.size());
-  std::erase_if(frames, [&](const auto& of_horizon) { return 2 * of_horizon.second.size() < most; });
+  const auto count = [&](const std::vector<FrameAhead>& of_horizon) {
+    return std::ranges::count_if(
+        of_horizon, [&](const FrameAhead& one) { return predictions[one.prediction].model.size() > 0; });
+  };
+  std::ptrdiff_t most = 0;
+  for (const auto& [horizon, of_horizon] : frames) most = std::max(most, count(of_horizon));
+  std::erase_if(frames, [&](const auto& of_horizon) { return 2 * count(of_horizon.second) < most; });
   return frames;
 }
 

@@ -34,7 +34,8 @@ SeenMotion seen_of(const CapturePrediction& one, const Quantity& quantity);
 /// frames show as the best of them are left out; a frame there is forecast with what the nearest one taught.
 class MotionForecasts {
  public:
-  /// @param predictions of training captures, each by a fit that has not seen it
+  /// @param predictions of training captures, each by a fit that has not seen it; those without a model teach the
+  ///   autoregression alone
   MotionForecasts(std::span<const Quantity> compared, std::span<const CapturePrediction> predictions,
                   const PredictionOptions& prediction);
 

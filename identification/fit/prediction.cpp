@@ -162,6 +162,8 @@ struct PredictedCaptures {
   std::vector<std::pair<std::string, std::vector<std::string>>> lacks = {};
   std::vector<std::string> sentences = {};  ///< what else the reader of the scores must know
   std::vector<std::string> shares = {};     ///< of mixtures, in sentences
+  /// Spans all along the captures, of which the model was not asked; only where they are wanted.
+  std::vector<CapturePrediction> along = {};
 
   void add_lack(const std::string& reason, const std::vector<std::string>& captures) {
     const auto place = std::ranges::find(lacks, reason, [](const auto& lack) { return lack.first; });
@@ -175,9 +177,12 @@ struct PredictedCaptures {
     if (!other.compared.empty()) compared = std::move(other.compared);
     int first = 0;
     for (const CapturePrediction& one : predictions) first = std::max(first, one.cluster + 1);
-    for (CapturePrediction& one : other.predictions) {
-      one.cluster += first;
-      predictions.push_back(std::move(one));
+    for (const CapturePrediction& one : along) first = std::max(first, one.cluster + 1);
+    for (auto* const all : {&other.predictions, &other.along}) {
+      for (CapturePrediction& one : *all) {
+        one.cluster += first;
+        (all == &other.along ? along : predictions).push_back(std::move(one));
+      }
     }
     for (const auto& [reason, captures] : other.lacks) add_lack(reason, captures);
     for (std::string& sentence : other.sentences) sentences.push_back(std::move(sentence));
@@ -245,19 +250,45 @@ void add_capture_predictions(const models::TrajectoryFamily& family, std::span<c
   }
 }
 
+/// Spans all along captures, each with what follows it: four for each that is predicted, or each span's length; fewer
+/// where that were very many.
+std::vector<Capture> cut_along(std::span<const Capture> captures, const PredictedOutputs& predicted,
+                               const PredictionOptions& prediction) {
+  constexpr double kDenser = 4.0, kMost = 300.0;
+  double all = 0.0;  // s
+  for (const Capture& capture : captures) {
+    if (capture.times.size() > 0) all += capture.times[capture.times.size() - 1] - capture.times[0];
+  }
+  PredictionOptions along = prediction;
+  along.stride = std::max(prediction.stride.value_or(prediction.span) / kDenser, all / kMost);
+  return cut(captures, predicted, along);
+}
+
+/// @param wants_along whether spans all along the captures are wanted
 PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitResult& fitted,
                              std::span<const Capture> left_out, const FitOptions& options,
-                             const PredictionOptions& prediction) {
+                             const PredictionOptions& prediction, bool wants_along = false) {
   check(options, prediction);
   refuse_twice(left_out);
   if (fitted.status == FitStatus::failed || left_out.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
   const FitOptions held = holding(family.info(), fitted, options, prediction);
   const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
-  const std::vector<Capture> parts = cut(left_out, predicted, prediction);
+  std::vector<Capture> parts = cut(left_out, predicted, prediction);
+  const std::size_t count = parts.size();
+  // A span begins where it is cut, not at a release: it has no delay.
+  if (wants_along && !options.measurement.delay) {
+    for (Capture& part : cut_along(left_out, predicted, prediction)) parts.push_back(std::move(part));
+  }
+  const std::vector<int> clusters = clusters_left_out(parts, options.uncertainty.cluster_by);
   PredictedCaptures outcome{.compared = quantities(family, predicted, held)};
-  add_capture_predictions(family, parts, clusters_left_out(parts, options.uncertainty.cluster_by), predicted,
-                          held, prediction, outcome);
+  add_capture_predictions(family, std::span(parts).first(count), clusters, predicted, held, prediction,
+                          outcome);
+  for (std::size_t k = count; k < parts.size(); ++k) {
+    CapturePrediction one = predict_capture(family, parts[k], predicted, held, prediction, false);
+    one.cluster = clusters[k];
+    if (one.lack.empty()) outcome.along.push_back(std::move(one));
+  }
   return outcome;
 }
 
@@ -307,9 +338,10 @@ void train(const models::TrajectoryFamily& family, std::span<const Capture> trai
 
 /// Each fold by a fit of the others, which train a mixture where one is asked for.
 /// @param warnings null: not said
+/// @param wants_along as look_ahead()
 PredictedCaptures predict_by_folds(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                                    const FitOptions& options, const PredictionOptions& prediction,
-                                   const Folds& folds, Warnings* warnings) {
+                                   const Folds& folds, Warnings* warnings, bool wants_along = false) {
   const std::vector<int> clusters = clusters_of(captures, options.uncertainty.cluster_by);
   const std::vector<int> fold_of = deal(count_of(clusters), folds);
   FitOptions plain = options;
@@ -325,7 +357,7 @@ PredictedCaptures predict_by_folds(const models::TrajectoryFamily& family, std::
     if (warnings && of_others.status != FitStatus::converged)
       warnings->add(WarningKind::predictions,
                     fmt::format("the fit without {}: {}", which, of_others.message));
-    PredictedCaptures of_fold = look_ahead(family, of_others, left_out, options, prediction);
+    PredictedCaptures of_fold = look_ahead(family, of_others, left_out, options, prediction, wants_along);
     if (prediction.mixture) train(family, others, options, prediction, of_fold);
     outcome.add(std::move(of_fold));
   }
@@ -340,8 +372,9 @@ void train(const models::TrajectoryFamily& family, std::span<const Capture> trai
   constexpr int kParts = 3;
   PredictionOptions plain = prediction;
   plain.mixture = false;
-  const PredictedCaptures shown =
-      predict_by_folds(family, training, options, plain, {.count = std::min(kParts, clusters)}, nullptr);
+  PredictedCaptures shown = predict_by_folds(family, training, options, plain,
+                                             {.count = std::min(kParts, clusters)}, nullptr, true);
+  for (CapturePrediction& one : shown.along) shown.predictions.push_back(std::move(one));
   const auto trained =
       std::make_shared<const MotionForecasts>(outcome.compared, shown.predictions, prediction);
   for (CapturePrediction& one : outcome.predictions) one.trained = trained;
