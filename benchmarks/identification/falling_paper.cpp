@@ -81,8 +81,8 @@ PaperSplit split(const std::vector<Capture>& all, std::size_t drops, int frames,
     std::swap(order[k], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k + 1))]);
   }
   PaperSplit result;
-  for (std::size_t k = 0; k < std::min(2 * drops, all.size()); ++k) {
-    std::vector<Window>& windows = k < drops ? result.fitted : result.unseen;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::vector<Window>& windows = k < drops ? result.fitted : k < 2 * drops ? result.unseen : result.rest;
     for (Window& window : cut(all[order[k]], frames, kPaperAhead, stride))
       windows.push_back(std::move(window));
   }

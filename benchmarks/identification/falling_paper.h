@@ -22,6 +22,7 @@ std::vector<samara::identification::Capture> paper_drops(const std::filesystem::
 
 struct PaperSplit {
   std::vector<Window> fitted, unseen;
+  std::vector<Window> rest = {};  ///< of drops that are neither
 };
 /// `drops` drops to fit and as many others, or those that there are, drawn with a seed.
 /// @param stride of the windows: cut() of windows.h

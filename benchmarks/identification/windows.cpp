@@ -32,9 +32,9 @@ std::vector<Window> cut(const Capture& motion, int frames, int ahead, int stride
   return windows;
 }
 
-std::vector<Window> cut_as_known(const Capture& motion, int frames, int ahead) {
+std::vector<Window> cut_as_known(const Capture& motion, int frames, int ahead, int stride) {
   std::vector<Window> windows;
-  for (Window& window : cut(motion, frames, ahead)) {
+  for (Window& window : cut(motion, frames, ahead, stride)) {
     const double end = motion.times[window.first + frames - 1] - motion.times[0];
     const Capture known = samara::identification::known_at(motion, end);
     if (known.frame_count() < frames) continue;

@@ -29,7 +29,8 @@ struct Window {
 std::vector<Window> cut(const samara::identification::Capture& motion, int frames, int ahead, int stride = 0);
 
 /// The same, each cleaned without what came after it; left out are those of which that leaves a frame unseen.
-std::vector<Window> cut_as_known(const samara::identification::Capture& motion, int frames, int ahead);
+std::vector<Window> cut_as_known(const samara::identification::Capture& motion, int frames, int ahead,
+                                 int stride = 0);
 
 std::vector<samara::identification::Capture> captures_of(std::span<const Window> windows);
 

@@ -78,10 +78,12 @@ SplitScores score_split(const std::string& name, const std::vector<Questioned>& 
     const TrainedForecasts trained = TrainedForecasts::train(part.training, kInSpace);
     fmt::print(stderr, "{}: {} moments, {} in training;", name, part.unseen.size(), part.training.size());
     for (const auto& share : trained.shares()) fmt::print(stderr, " {:.2f} {}", share.share, share.predictor);
-    fmt::print(stderr, "\n");
+    const auto& correction = trained.autoregression().correction();
+    fmt::print(stderr, "; correction: length {}, ridge {}\n", correction.length(), correction.ridge());
     add_scores(name, trained, part.unseen, tallies);
     PredictionTally& without = tallies.try_emplace(kWithoutBody, kWithoutBody, name).first->second;
-    const TrainedForecasts bodiless = TrainedForecasts::train(without_body(part.training), kInSpace);
+    const TrainedForecasts bodiless =
+        TrainedForecasts::train(without_body(part.training), kInSpace, trained.autoregression());
     for (const AskedMoment& asked : without_body(part.unseen)) {
       for (const SaidForecast& said : bodiless.say(asked)) {
         if (said.predictor == kOurs) add_forecast(said, asked.moment, without);

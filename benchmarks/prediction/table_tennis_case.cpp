@@ -1,9 +1,12 @@
-/// Table tennis balls: 0.15 s seen of a flight, and 0.15 s on, without labels of the spin. Labelled flights by thirds
+/// Table tennis balls: 0.15 s seen of a flight, and 0.15 s on, without labels of the spin. Labelled flights by fifths
 /// that a fit of the others predicts, and those with labels of other rows by a fit of all labelled ones, in three
-/// splits into thirds with the seeds 1 to 3.
+/// splits into fifths with the seeds 1 to 3. Of the fits from the two optima that are known the one with the lower cost
+/// counts, as in the benchmark `identification`.
 ///
 /// Errors and shares of each come from the flights of its fit, of which each half is predicted by a fit of the other.
+#include <array>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,9 +26,20 @@ using samara::identification::FitResult;
 constexpr const char* kCase = "table_tennis";
 constexpr int kLeastFrames = 12;
 constexpr int kSplits = 3;
-constexpr std::size_t kThirds = 3;
-/// The lower of the two optima that are known (see the benchmark `identification`).
-constexpr identification::RotationStart kStart = {-81.0 * std::numbers::pi / 180.0, 0.5};
+constexpr std::size_t kFolds = 5;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::array kStarts = {identification::RotationStart{-81.0 * kDegree, 0.5},
+                                identification::RotationStart{-7.0 * kDegree, 0.5}};
+
+/// Chosen without the flights that are left out.
+FitResult fit_of(const std::vector<Capture>& flights) {
+  FitResult best;
+  for (const identification::RotationStart& start : kStarts) {
+    FitResult result = identification::fit_labelled(flights, start);
+    if (best.captures.empty() || result.cost < best.cost) best = std::move(result);
+  }
+  return best;
+}
 
 std::vector<AskedMoment> asked(const std::vector<Capture>& flights, const FitResult& fitted) {
   std::vector<AskedMoment> result;
@@ -46,9 +60,8 @@ std::vector<AskedMoment> asked(const std::vector<Capture>& flights, const FitRes
 std::vector<AskedMoment> training_of(const std::vector<Capture>& flights) {
   std::vector<Capture> halves[2];
   for (std::size_t k = 0; k < flights.size(); ++k) halves[k % 2].push_back(flights[k]);
-  std::vector<AskedMoment> moments = asked(halves[0], identification::fit_labelled(halves[1], kStart));
-  for (AskedMoment& moment : asked(halves[1], identification::fit_labelled(halves[0], kStart)))
-    moments.push_back(std::move(moment));
+  std::vector<AskedMoment> moments = asked(halves[0], fit_of(halves[1]));
+  for (AskedMoment& moment : asked(halves[1], fit_of(halves[0]))) moments.push_back(std::move(moment));
   return moments;
 }
 
@@ -60,8 +73,7 @@ void table_tennis_case(const Options& options) {
   const identification::Flights flights = identification::read_flights(
       *folder, std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "table_tennis.toml", kLeastFrames);
   const std::vector<Capture>& labelled = flights.labelled;
-  const std::vector<AskedMoment> of_shifted =
-      asked(flights.shifted, identification::fit_labelled(labelled, kStart));
+  const std::vector<AskedMoment> of_shifted = asked(flights.shifted, fit_of(labelled));
   const std::vector<AskedMoment> of_labelled = training_of(labelled);
   std::vector<SplitScores> splits;
   for (int seed = 1; seed <= (options.quick ? 1 : kSplits); ++seed) {
@@ -71,11 +83,11 @@ void table_tennis_case(const Options& options) {
     for (std::size_t k = order.size() - 1; k > 0; --k)
       std::swap(order[k], order[static_cast<std::size_t>(random.below(static_cast<int>(k) + 1))]);
     std::vector<Questioned> parts = {{of_labelled, of_shifted}};
-    for (std::size_t third = 0; third < kThirds; ++third) {
+    for (std::size_t fold = 0; fold < kFolds; ++fold) {
       std::vector<Capture> fitted, left_out;
       for (std::size_t k = 0; k < order.size(); ++k)
-        (k % kThirds == third ? left_out : fitted).push_back(labelled[order[k]]);
-      parts.push_back({training_of(fitted), asked(left_out, identification::fit_labelled(fitted, kStart))});
+        (k % kFolds == fold ? left_out : fitted).push_back(labelled[order[k]]);
+      parts.push_back({training_of(fitted), asked(left_out, fit_of(fitted))});
     }
     splits.push_back(score_split(fmt::format("{} split {}", kCase, seed), parts));
   }
