@@ -43,9 +43,10 @@ class Lanes {
   void save(int lane, std::span<double> numbers) const;
   void restore(int lane, std::span<const double> numbers);
 
-  /// Of all lanes, from the first.
+  /// Of one variable in all lanes, from the first; the next variable lies stride() numbers on.
   double* parameters(int index) { return &p_[place(static_cast<std::size_t>(index), 0)]; }
   const double* states(int index) const { return &x_[place(static_cast<std::size_t>(index), 0)]; }
+  std::size_t stride() const { return stride_; }
 
   double state(int index, int lane) const { return x_[place(static_cast<std::size_t>(index), lane)]; }
   void read(int lane, std::span<double> state) const { read(lane, 0, state); }

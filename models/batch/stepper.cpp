@@ -1,10 +1,12 @@
 #include "samara/models/batch/stepper.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "samara/base/bits.h"
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 #include "samara/base/smoothstep.h"
@@ -45,18 +47,21 @@ struct Stepper::Impl {
         driven(steered_indices(model, names, options.driven)),
         kernel(model.model(), options.tangents ? kernel_directions(model.model()) : 0),
         lane_count(count),
+        state_count(parametric.state_count()),
         width((*kernel).width()),
         layers(1 + static_cast<std::size_t>((*kernel).directions())),
-        moves(static_cast<std::size_t>(count)),
+        ramps(static_cast<std::size_t>(count)),
         from(static_cast<std::size_t>(count) * steered.size() * layers),
         to(from.size()),
-        lane_times(static_cast<std::size_t>(width)),
-        resting(static_cast<std::size_t>(width) * static_cast<std::size_t>(model.state_count()) * layers) {
+        resting(static_cast<std::size_t>(width) * static_cast<std::size_t>(state_count) * layers) {
     for (Eigen::Index first = 0; first < count; first += width) {
       packs.emplace_back(model, *kernel, std::span<const int>());
     }
     driven.erase(driven.begin(), driven.begin() + std::ssize(steered));
     loaded.assign(packs.size(), 0);
+    times.assign(packs.size() * static_cast<std::size_t>(width), 0.0);
+    runs.assign(packs.size(), 0);
+    moving.assign(packs.size(), 0);
     for (const int index : steered) {
       positions.push_back(static_cast<std::size_t>(
           std::ranges::find_if(model.free(),
@@ -71,19 +76,34 @@ struct Stepper::Impl {
     return model.step_kernels() == nullptr ? kPlain : model.step_kernels()->pack_tangents->directions();
   }
 
-  struct Move {
-    double t = 0.0;      ///< of the lane
-    double start = 0.0;  ///< of the ramp
-    double duration = 0.0;
-    bool moving = false;
-    bool runs = false;
+  struct Ramp {
+    double start = 0.0, duration = 0.0;
   };
 
+  std::size_t pack_number(Eigen::Index lane) const { return static_cast<std::size_t>(lane / width); }
   Lanes& pack_of(Eigen::Index lane) { return packs[static_cast<std::size_t>(lane / width)]; }
   const Lanes& pack_of(Eigen::Index lane) const { return packs[static_cast<std::size_t>(lane / width)]; }
   int slot_of(Eigen::Index lane) const { return static_cast<int>(lane % width); }
-  Move& move_of(Eigen::Index lane) { return moves[static_cast<std::size_t>(lane)]; }
-  const Move& move_of(Eigen::Index lane) const { return moves[static_cast<std::size_t>(lane)]; }
+  Ramp& ramp_of(Eigen::Index lane) { return ramps[static_cast<std::size_t>(lane)]; }
+  const Ramp& ramp_of(Eigen::Index lane) const { return ramps[static_cast<std::size_t>(lane)]; }
+  double& time_of(Eigen::Index lane) { return times[static_cast<std::size_t>(lane)]; }
+  double time_of(Eigen::Index lane) const { return times[static_cast<std::size_t>(lane)]; }
+
+  /// A flag of each lane of a pack.
+  using Flags = std::vector<std::uint64_t>;
+  bool is_set(const Flags& flags, Eigen::Index lane) const {
+    return has_bit(flags[pack_number(lane)], slot_of(lane));
+  }
+  void set(Flags& flags, Eigen::Index lane, bool value) const {
+    const std::uint64_t bit = std::uint64_t{1} << slot_of(lane);
+    std::uint64_t& all = flags[pack_number(lane)];
+    all = value ? all | bit : all & ~bit;
+  }
+  /// what(lane) for the lanes of a pack whose bit is set.
+  template <class What>
+  void for_lanes(std::size_t pack, std::uint64_t bits, const What& what) const {
+    for_bits(bits, [&](int slot) { what(static_cast<Eigen::Index>(pack) * width + slot); });
+  }
 
   /// Where the numbers of a lane's ramp begin, steered by steered, layer by layer in each.
   std::size_t ramp_place(Eigen::Index lane) const {
@@ -95,13 +115,14 @@ struct Stepper::Impl {
     const std::size_t at = ramp_place(lane) + n;
     return gone(from[at], to[at], share);
   }
-  double share_at(const Move& move, double t) const {
-    return move.moving ? smoothstep((t - move.start) / move.duration) : 1.0;
+  double share_at(Eigen::Index lane, double t) const {
+    const Ramp& ramp = ramp_of(lane);
+    return is_set(moving, lane) ? smoothstep((t - ramp.start) / ramp.duration) : 1.0;
   }
 
   /// Puts the values of time t into the kernel's parameters.
   void put_parameters(Eigen::Index lane, double t) {
-    const double share = share_at(move_of(lane), t);
+    const double share = share_at(lane, t);
     Lanes& pack = pack_of(lane);
     for (std::size_t j = 0; j < steered.size(); ++j) {
       for (std::size_t layer = 0; layer < layers; ++layer) {
@@ -113,8 +134,7 @@ struct Stepper::Impl {
 
   void begin_ramp(Eigen::Index lane, std::span<const double> target, double duration,
                   const Eigen::Ref<const Eigen::MatrixXd>* by_directions) {
-    Move& move = move_of(lane);
-    const double share = share_at(move, move.t);
+    const double t = time_of(lane), share = share_at(lane, t);
     const std::size_t place = ramp_place(lane);
     for (std::size_t j = 0; j < steered.size(); ++j) {
       for (std::size_t layer = 0; layer < layers; ++layer) {
@@ -126,24 +146,22 @@ struct Stepper::Impl {
                                                                       static_cast<Eigen::Index>(layer - 1));
       }
     }
-    move.start = move.t;
-    move.duration = duration;
-    move.moving = duration > 0.0;
-    put_parameters(lane, move.t);
+    ramp_of(lane) = {.start = t, .duration = duration};
+    set(moving, lane, duration > 0.0);
+    put_parameters(lane, t);
     if (defaults_follow) pack_of(lane).complete();
   }
 
   /// Parameters stay where they are, without tangents.
   void stop_ramp(Eigen::Index lane) {
-    Move& move = move_of(lane);
-    const double share = share_at(move, move.t);
+    const double t = time_of(lane), share = share_at(lane, t);
     const std::size_t place = ramp_place(lane);
     for (std::size_t n = 0; n < steered.size() * layers; ++n) {
       const double value = n % layers == 0 ? moved(lane, n, share) : 0.0;
       from[place + n] = to[place + n] = value;
     }
-    move.moving = false;
-    put_parameters(lane, move.t);
+    set(moving, lane, false);
+    put_parameters(lane, t);
     if (defaults_follow) pack_of(lane).complete();
   }
 
@@ -169,81 +187,62 @@ struct Stepper::Impl {
   }
 
   void step_pack(std::size_t p, double h, long steps) {
-    const Eigen::Index first = static_cast<Eigen::Index>(p) * width;
-    const Eigen::Index last = std::min(lane_count, first + width);
-    const auto any = [&](auto what) {
-      for (Eigen::Index lane = first; lane < last; ++lane) {
-        if (what(move_of(lane))) return true;
-      }
-      return false;
-    };
-    if (!any([](const Move& move) { return move.runs; })) return;
-    long left = steps;
-    while (left > 0) {
-      const bool moving = any([](const Move& move) { return move.runs && move.moving; });
-      if (moving) {
-        for (Eigen::Index lane = first; lane < last; ++lane) {
-          const Move& move = move_of(lane);
-          if (move.runs && move.moving) put_parameters(lane, move.t + 0.5 * h);
-        }
-        if (defaults_follow) packs[p].complete();
-      }
-      const long now = moving ? 1 : left;
-      advance(packs[p], first, last, h, now);
-      if (moving) finish_ramps(first, last, h);
+    if (runs[p] == 0) return;
+    for (long left = steps; left > 0;) {
+      const std::uint64_t on_ramps = runs[p] & moving[p];
+      for_lanes(p, on_ramps, [&](Eigen::Index lane) { put_parameters(lane, time_of(lane) + 0.5 * h); });
+      if (on_ramps != 0 && defaults_follow) packs[p].complete();
+      const long now = on_ramps != 0 ? 1 : left;
+      advance(p, h, now);
+      if (on_ramps != 0) finish_ramps(p, on_ramps, h);
       left -= now;
     }
   }
 
   /// Lanes that do not run are carried along, and put back.
-  void advance(Lanes& pack, Eigen::Index first, Eigen::Index last, double h, long steps) {
-    for (Eigen::Index lane = first; lane < first + width; ++lane) {
-      lane_times[static_cast<std::size_t>(slot_of(lane))] = lane < last ? move_of(lane).t : 0.0;
-    }
-    bool all_run = true;
-    for (Eigen::Index lane = first; lane < last; ++lane) all_run = all_run && move_of(lane).runs;
+  void advance(std::size_t p, double h, long steps) {
+    const Eigen::Index first = static_cast<Eigen::Index>(p) * width;
+    const auto count = static_cast<int>(std::min(lane_count - first, width));
+    const std::uint64_t rests = ~runs[p] & (~std::uint64_t{0} >> (64 - count));
     const auto rest_of = [&](Eigen::Index lane) {
       const std::size_t size = resting.size() / static_cast<std::size_t>(width);
       return std::span(resting).subspan(static_cast<std::size_t>(slot_of(lane)) * size, size);
     };
-    for (Eigen::Index lane = first; lane < last && !all_run; ++lane) {
-      if (!move_of(lane).runs) pack.save(slot_of(lane), rest_of(lane));
-    }
-    pack.advance(lane_times, h, steps);
-    for (Eigen::Index lane = first; lane < last; ++lane) {
-      if (move_of(lane).runs) {
-        move_of(lane).t += h * static_cast<double>(steps);
-      } else {
-        pack.restore(slot_of(lane), rest_of(lane));
-      }
-    }
+    Lanes& pack = packs[p];
+    for_lanes(p, rests, [&](Eigen::Index lane) { pack.save(slot_of(lane), rest_of(lane)); });
+    pack.advance({&time_of(first), static_cast<std::size_t>(width)}, h, steps);
+    for_lanes(p, rests, [&](Eigen::Index lane) { pack.restore(slot_of(lane), rest_of(lane)); });
+    for_lanes(p, runs[p], [&](Eigen::Index lane) { time_of(lane) += h * static_cast<double>(steps); });
   }
 
-  void finish_ramps(Eigen::Index first, Eigen::Index last, double h) {
+  void finish_ramps(std::size_t p, std::uint64_t on_ramps, double h) {
     bool ended = false;
-    for (Eigen::Index lane = first; lane < last; ++lane) {
-      Move& move = move_of(lane);
+    for_lanes(p, on_ramps, [&](Eigen::Index lane) {
       // What is left of a ramp by round-off is no reason for another step of order 2.
-      if (!move.runs || !move.moving || move.t - move.start < move.duration - 1e-9 * h) continue;
-      move.moving = false;
-      put_parameters(lane, move.t);
+      const double t = time_of(lane);
+      if (t - ramp_of(lane).start < ramp_of(lane).duration - 1e-9 * h) return;
+      set(moving, lane, false);
+      put_parameters(lane, t);
       ended = true;
-    }
-    if (ended && defaults_follow) packs[static_cast<std::size_t>(first / width)].complete();
+    });
+    if (ended && defaults_follow) packs[p].complete();
   }
 
   ParametricModel model;
   std::vector<int> steered, driven;    ///< among the parameters of the model
   std::vector<std::size_t> positions;  ///< the same among the free coordinates
   PassKernel kernel;
-  Eigen::Index lane_count, width;
+  Eigen::Index lane_count;
+  int state_count;
+  Eigen::Index width;
   std::size_t layers;  ///< of a number: its value, then its tangents
   std::vector<Lanes> packs;
-  std::vector<char> loaded;  ///< per pack
-  std::vector<Move> moves;
+  std::vector<char> loaded;   ///< per pack
+  Flags runs, moving;         ///< on a ramp
+  std::vector<double> times;  ///< of all lanes
+  std::vector<Ramp> ramps;
   std::vector<double> from, to;  ///< of all ramps, see ramp_place()
-  std::vector<double> lane_times;
-  std::vector<double> resting;  ///< states of lanes that do not run, per slot
+  std::vector<double> resting;   ///< states of lanes that do not run, per slot
   bool is_tried = false, defaults_follow = false;
 };
 
@@ -260,7 +259,7 @@ Eigen::Index Stepper::lanes() const {
   return impl_->lane_count;
 }
 int Stepper::state_count() const {
-  return impl_->model.state_count();
+  return impl_->state_count;
 }
 int Stepper::steered_count() const {
   return static_cast<int>(impl_->steered.size());
@@ -278,7 +277,9 @@ void Stepper::load(Eigen::Index lane, std::span<const double> q) {
     loaded = 1;
   }
   pack.load(run.slot_of(lane), q);
-  run.move_of(lane) = {.runs = true};
+  run.time_of(lane) = 0.0;
+  run.set(run.runs, lane, true);
+  run.set(run.moving, lane, false);
   if (!run.is_tried) run.defaults_follow = run.defaults_depend(q);
   run.is_tried = true;
   const std::size_t place = run.ramp_place(lane);
@@ -294,8 +295,8 @@ void Stepper::load(Eigen::Index lane, std::span<const double> q) {
 void Stepper::set_state(Eigen::Index lane, double t, std::span<const double> state) {
   Impl& run = *impl_;
   run.stop_ramp(lane);
-  run.move_of(lane).t = t;
-  run.move_of(lane).runs = true;
+  run.time_of(lane) = t;
+  run.set(run.runs, lane, true);
   run.pack_of(lane).set_state(run.slot_of(lane), state);
 }
 
@@ -321,18 +322,52 @@ void Stepper::drive(Eigen::Index lane, std::span<const double> values) {
 }
 
 void Stepper::set_running(Eigen::Index lane, bool runs) {
-  impl_->move_of(lane).runs = runs;
+  impl_->set(impl_->runs, lane, runs);
 }
 bool Stepper::runs(Eigen::Index lane) const {
-  return impl_->move_of(lane).runs;
+  return impl_->is_set(impl_->runs, lane);
 }
 
 void Stepper::step(double h, long steps) {
   for (std::size_t p = 0; p < impl_->packs.size(); ++p) impl_->step_pack(p, h, steps);
 }
 
+int Stepper::width() const {
+  return static_cast<int>(impl_->width);
+}
+Eigen::Index Stepper::packs() const {
+  return std::ssize(impl_->packs);
+}
+
+void Stepper::step_pack(Eigen::Index pack, double h, long steps) {
+  impl_->step_pack(static_cast<std::size_t>(pack), h, steps);
+}
+
+Stepper::Pack Stepper::pack(Eigen::Index pack) const {
+  const auto p = static_cast<std::size_t>(pack);
+  const Lanes& lanes = impl_->packs[p];
+  return {.times = &impl_->times[p * static_cast<std::size_t>(impl_->width)],
+          .states = lanes.states(0),
+          .stride = lanes.stride(),
+          .running = impl_->runs[p]};
+}
+
+std::uint64_t Stepper::finite_lanes(Eigen::Index pack) const {
+  // A number times 0 is 0, or not a number.
+  std::array<double, 64> sums = {};
+  const auto width = static_cast<std::size_t>(impl_->width);
+  const Lanes& lanes = impl_->packs[static_cast<std::size_t>(pack)];
+  for (std::size_t i = 0; i < static_cast<std::size_t>(state_count()); ++i) {
+    const double* states = lanes.states(static_cast<int>(i));
+    for (std::size_t k = 0; k < width; ++k) sums[k] += 0.0 * states[k];
+  }
+  std::uint64_t finite = 0;
+  for (std::size_t k = 0; k < width; ++k) finite |= std::uint64_t{sums[k] == 0.0} << k;
+  return finite;
+}
+
 double Stepper::time(Eigen::Index lane) const {
-  return impl_->move_of(lane).t;
+  return impl_->time_of(lane);
 }
 
 double Stepper::state(Eigen::Index index, Eigen::Index lane) const {
@@ -348,8 +383,7 @@ void Stepper::read_tangent(Eigen::Index lane, int direction, std::span<double> t
 }
 
 void Stepper::read_parameters(Eigen::Index lane, std::span<double> values) const {
-  const Impl::Move& move = impl_->move_of(lane);
-  const double share = impl_->share_at(move, move.t);
+  const double share = impl_->share_at(lane, impl_->time_of(lane));
   for (std::size_t j = 0; j < values.size(); ++j) values[j] = impl_->moved(lane, j * impl_->layers, share);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -78,6 +79,23 @@ class Stepper {
 
   /// `steps` steps of length h for all lanes that run. States may come out infinite or not a number: see finite().
   void step(double h, long steps = 1);
+
+  /// Lanes are carried in packs: lane n is number n % width() of pack n / width(). What looks at all states after each
+  /// step is fastest pack by pack.
+  int width() const;
+  Eigen::Index packs() const;
+  /// step() of the lanes of one pack.
+  void step_pack(Eigen::Index pack, double h, long steps = 1);
+  /// The numbers of a pack as they lie in memory. State i of its lane k is states[i * stride + k].
+  struct Pack {
+    const double* times = nullptr;
+    const double* states = nullptr;
+    std::size_t stride = 0;
+    std::uint64_t running = 0;  ///< bit k: its lane k
+  };
+  Pack pack(Eigen::Index pack) const;
+  /// finite() of its lanes, a bit each.
+  std::uint64_t finite_lanes(Eigen::Index pack) const;
 
   double time(Eigen::Index lane) const;
   double state(Eigen::Index index, Eigen::Index lane) const;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <catch2/catch.hpp>
 
@@ -165,6 +166,35 @@ TEST_CASE("a lane that does not run keeps its state and does not change its neig
   CHECK(together.time(1) == 0.0);
   CHECK(together.state(2, 1) == 0.0);
   for (Eigen::Index i = 0; i < card.state_count(); ++i) CHECK(together.state(i, 0) == alone.state(i, 0));
+}
+
+TEST_CASE("packs that are stepped one by one take the steps of all, and say which lanes run and are finite") {
+  const ParametricModel card = falling_card({"C_R"});
+  Stepper together(card, {"C_R"}, 11), one_by_one(card, {"C_R"}, 11);
+  for (Stepper* cards : {&together, &one_by_one}) {
+    for (Eigen::Index lane = 0; lane < 11; ++lane)
+      cards->load(lane, std::array{1.0 + 0.1 * static_cast<double>(lane)});
+    cards->ramp(3, std::array{2.0}, 0.01);
+    cards->set_running(5, false);
+    std::vector<double> state(13);
+    cards->read(10, state);
+    state[0] = std::numeric_limits<double>::quiet_NaN();
+    cards->set_state(10, 0.0, state);
+  }
+  together.step(1e-3, 20);
+  for (Eigen::Index pack = 0; pack < one_by_one.packs(); ++pack) one_by_one.step_pack(pack, 1e-3, 20);
+  const auto width = static_cast<Eigen::Index>(one_by_one.width());
+  CHECK(one_by_one.packs() == (11 + width - 1) / width);
+  for (Eigen::Index lane = 0; lane < 11; ++lane) {
+    const Stepper::Pack pack = one_by_one.pack(lane / width);
+    const Eigen::Index slot = lane % width;
+    CHECK(pack.times[slot] == together.time(lane));
+    CHECK((pack.running >> slot & 1) == (lane == 5 ? 0 : 1));
+    CHECK((one_by_one.finite_lanes(lane / width) >> slot & 1) == (lane == 10 ? 0 : 1));
+    for (Eigen::Index i = 0; i < 13 && lane != 10; ++i)
+      CHECK(pack.states[static_cast<std::size_t>(i) * pack.stride + static_cast<std::size_t>(slot)] ==
+            together.state(i, lane));
+  }
 }
 
 TEST_CASE("a default that depends on a steered parameter moves with it") {
