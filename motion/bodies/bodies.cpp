@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "samara/base/bits.h"
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 #include "samara/models/batch/stepper.h"
@@ -21,19 +22,24 @@ namespace {
 
 /// What is remembered of one body.
 struct Body {
-  Body(const EventFinder& empty, std::uint64_t seed, std::uint64_t number)
-      : finder(empty), stream(seed, number) {}
+  Body(std::uint64_t seed, std::uint64_t number) : stream(seed, number) {}
 
   BodyStatus status = BodyStatus::waiting;
-  EventFinder finder;
   Stream stream;
   std::array<int, MarkovChain::kMostOrder> past = {};  ///< kinds, the latest last
   int past_count = 0;
   std::optional<EventKind> planned;
-  Eigen::Index followed = -1;                         ///< the segment whose coefficients it has, or moves to
-  models::AmbientSample air;                          ///< where it is now
-  Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< m, how far the air about it has gone
+  Eigen::Index followed = -1;  ///< the segment whose coefficients it has, or moves to
 };
+
+/// The air about one body.
+struct Air {
+  models::AmbientSample now;                          ///< where it is
+  Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< m, how far it has gone
+};
+
+/// Steps that bodies take pack by pack.
+constexpr std::size_t kBlock = 4;
 
 void require_finite_numbers(std::span<const double> numbers, const char* what) {
   for (const double number : numbers) {
@@ -54,23 +60,24 @@ struct Bodies::Impl {
         stepper(model, source.database().coefficient_names, count, {.driven = driven_names(source, model)}),
         states(static_cast<std::size_t>(model.state_count())),
         coefficients(source.database().coefficient_names.size()),
-        current(static_cast<std::size_t>(count) * states, 0.0),
-        last_place(static_cast<std::size_t>(count) * 3, 0.0),
+        width(static_cast<std::size_t>(stepper.width())),
+        finders(moving, source.database().events, count, width),
+        before(states * width),
+        relative(given.wind ? states * width : 0),
         values(static_cast<std::size_t>(model.free_count())),
-        relative(states),
-        read(states),
+        state(states),
         present(coefficients) {
-    const EventFinder empty(moving, source.database().events);
     bodies.reserve(static_cast<std::size_t>(count));
-    for (Eigen::Index n = 0; n < count; ++n)
-      bodies.emplace_back(empty, given.seed, static_cast<std::uint64_t>(n));
-    room = static_cast<std::size_t>(count) * 4;
+    for (Eigen::Index n = 0; n < count; ++n) bodies.emplace_back(given.seed, static_cast<std::uint64_t>(n));
+    if (given.wind) airs.resize(bodies.size());
+    room = bodies.size() * 4;
     events.reserve(room);
+    for (std::vector<BodyEvent>& of_step : fresh) of_step.reserve(bodies.size());
     const models::ModelInfo& info = model.model().info();
     pose = *models::pose_states_of(info);
     for (const std::string& name : pose.names)
-      pose_indices.push_back(static_cast<std::size_t>(
-          std::ranges::find(info.states, name, &models::StateInfo::name) - info.states.begin()));
+      pose_indices.push_back(std::ranges::find(info.states, name, &models::StateInfo::name) -
+                             info.states.begin());
     if (given.wind) gusts.emplace(model.model());
     if (options.step == 0.0) options.step = source.database().step;
     if (options.ramp < 0.0) options.ramp = source.ramp();
@@ -87,115 +94,145 @@ struct Bodies::Impl {
   }
 
   Body& body(Eigen::Index n) { return bodies[static_cast<std::size_t>(n)]; }
-  static std::span<double> part_of(std::vector<double>& all, Eigen::Index n, std::size_t size) {
-    return std::span(all).subspan(static_cast<std::size_t>(n) * size, size);
-  }
-  std::span<double> state_of(Eigen::Index n) { return part_of(current, n, states); }
-  Eigen::Map<Eigen::Vector3d> last_of(Eigen::Index n) {
-    return Eigen::Map<Eigen::Vector3d>(last_place.data() + 3 * n);
-  }
+  Air& air(Eigen::Index n) { return airs[static_cast<std::size_t>(n)]; }
 
   /// Of the world, along the axes of states: in a plane x and z.
   double along_axis(const Eigen::Vector3d& v, std::size_t k) const {
     return v[layout.is_planar && k == 1 ? 2 : static_cast<Eigen::Index>(k)];
   }
 
-  models::BodyOnPath motion_of(std::span<const double> state) const {
+  models::BodyOnPath motion_of(std::span<const double> here) const {
     models::BodyOnPath motion;
-    gusts->read([&](int i) { return state[static_cast<std::size_t>(i)]; }, motion);
+    gusts->read([&](int i) { return here[static_cast<std::size_t>(i)]; }, motion);
     return motion;
   }
 
-  /// The state with place and velocity relative to the air, in which it meets events and looks for pieces.
-  std::span<const double> seen_state(Eigen::Index n) {
-    const std::span<double> state = state_of(n);
-    if (!options.wind) return state;
-    Body& one = body(n);
-    const models::BodyOnPath motion = motion_of(state);
-    one.air = options.wind->sample(stepper.time(n), motion.position);
-    std::ranges::copy(state, relative.begin());
-    const Eigen::Vector3d along = motion.attitude.transpose() * one.air.velocity;
+  /// Place and velocity relative to the air, in which bodies meet events and look for pieces.
+  void take_air(Eigen::Index n, double t, std::span<double> here) {
+    Air& about = air(n);
+    const models::BodyOnPath motion = motion_of(here);
+    about.now = options.wind->sample(t, motion.position);
+    const Eigen::Vector3d along = motion.attitude.transpose() * about.now.velocity;
     for (std::size_t k = 0; k < layout.velocities().size(); ++k) {
-      relative[layout.velocity[k]] -= along_axis(along, k);
-      relative[layout.position[k]] -= along_axis(one.carried, k);
+      here[layout.velocity[k]] -= along_axis(along, k);
+      here[layout.position[k]] -= along_axis(about.carried, k);
     }
-    return relative;
   }
 
-  void begin(Eigen::Index n, std::span<const double> state, std::span<const double> first) {
+  void begin(Eigen::Index n, std::span<const double> from, std::span<const double> first) {
     Body& one = body(n);
     std::ranges::fill(values, 0.0);
     std::ranges::copy(first, values.begin());
     stepper.load(n, values);
-    stepper.set_state(n, 0.0, state);
-    std::ranges::copy(state, state_of(n).begin());
+    stepper.set_state(n, 0.0, from);
     one.status = BodyStatus::falling;
-    one.finder.restart();
     one.past_count = 0;
     one.planned.reset();
     one.followed = -1;
-    one.carried.setZero();
-    last_of(n) = layout.place(state);
-    one.finder.see(0.0, seen_state(n));
+    std::ranges::copy(from, state.begin());
+    if (options.wind) {
+      air(n).carried.setZero();
+      take_air(n, 0.0, state);
+    }
+    finders.begin(n, 0.0, state);
   }
 
   /// The air over the next step.
   void set_air(Eigen::Index n, double h) {
-    Body& one = body(n);
-    const models::AmbientSample& air = one.air;
-    one.carried += h * air.velocity;
-    const Eigen::Vector3d rate = air.rate + air.gradient * motion_of(state_of(n)).velocity;
-    const Eigen::Vector3d material = air.rate + air.gradient * air.velocity;
+    const models::AmbientSample& now = air(n).now;
+    air(n).carried += h * now.velocity;
+    stepper.read(n, state);
+    const Eigen::Vector3d rate = now.rate + now.gradient * motion_of(state).velocity;
+    const Eigen::Vector3d material = now.rate + now.gradient * now.velocity;
     std::size_t next = 0;
-    gusts->write([&](int, double value) { values[next++] = value; }, stepper.time(n), air.velocity, rate,
+    gusts->write([&](int, double value) { values[next++] = value; }, stepper.time(n), now.velocity, rate,
                  material, Eigen::Vector3d::Zero());
     stepper.drive(n, values);
   }
 
-  void step(double h) {
-    const Eigen::Index count = static_cast<Eigen::Index>(bodies.size());
-    if (options.wind) {
-      for (Eigen::Index n = 0; n < count; ++n) {
-        if (body(n).status == BodyStatus::falling) set_air(n, h);
-      }
+  /// Steps of all, pack by pack: what a pack needs is at hand then.
+  void step(double h, std::size_t steps) {
+    for (Eigen::Index p = 0; p < stepper.packs(); ++p) {
+      for (std::size_t k = 0; k < steps; ++k) step_pack(p, h, fresh[k]);
     }
-    stepper.step(h);
-    for (Eigen::Index n = 0; n < count; ++n) {
-      if (body(n).status == BodyStatus::falling) look(n);
+    for (std::vector<BodyEvent>& of_step : fresh) {
+      const std::size_t count = std::min(of_step.size(), room - events.size());
+      events.insert(events.end(), of_step.begin(), of_step.begin() + static_cast<std::ptrdiff_t>(count));
+      counts.dropped += static_cast<long>(of_step.size() - count);
+      of_step.clear();
     }
   }
 
-  /// What has become of a body.
-  void look(Eigen::Index n) {
-    Body& one = body(n);
-    stepper.read(n, read);
-    if (!std::ranges::all_of(read, [](double x) { return std::isfinite(x); }))
-      return rest(n, BodyStatus::not_finite);
-    std::ranges::copy(read, state_of(n).begin());
-    const Eigen::Vector3d place = layout.place(state_of(n));
-    if (options.ground && place.z() <= *options.ground) return land(n, place);
-    last_of(n) = place;
-    if (one.finder.see(stepper.time(n), seen_state(n))) go_on(n);
+  Eigen::Index body_of(Eigen::Index pack, int slot) const { return pack * stepper.width() + slot; }
+
+  void step_pack(Eigen::Index p, double h, std::vector<BodyEvent>& found) {
+    const models::Stepper::Pack pack = stepper.pack(p);
+    if (pack.running == 0) return;
+    for (std::size_t i = 0; i < states; ++i)
+      std::copy_n(pack.states + i * pack.stride, width, before.data() + i * width);
+    if (options.wind) for_bits(pack.running, [&](int slot) { set_air(body_of(p, slot), h); });
+    stepper.step_pack(p, h);
+    std::uint64_t falling = pack.running & stepper.finite_lanes(p);
+    for_bits(pack.running & ~falling, [&](int slot) { lose(p, slot); });
+    if (options.ground) falling &= ~landed(p, pack, falling);
+    LaneRows<const double> seen = {pack.states, pack.stride};
+    if (options.wind) seen = relative_states(p, pack, falling);
+    for_bits(finders.see(p, pack.times, seen, falling), [&](int slot) { go_on(p, slot, seen, found); });
   }
 
-  void rest(Eigen::Index n, BodyStatus status) {
+  LaneRows<const double> relative_states(Eigen::Index p, const models::Stepper::Pack& pack,
+                                         std::uint64_t lanes) {
+    for_bits(lanes, [&](int slot) {
+      const Eigen::Index n = body_of(p, slot);
+      stepper.read(n, state);
+      take_air(n, pack.times[slot], state);
+      for (std::size_t i = 0; i < states; ++i)
+        relative[i * width + static_cast<std::size_t>(slot)] = state[i];
+    });
+    return {relative.data(), width};
+  }
+
+  void rest(Eigen::Index n, BodyStatus status, std::span<const double> where) {
     body(n).status = status;
+    stepper.set_state(n, stepper.time(n), where);
     stepper.set_running(n, false);
   }
 
-  /// It rests where its way met the ground.
-  void land(Eigen::Index n, const Eigen::Vector3d& place) {
-    const Eigen::Vector3d before = last_of(n);
-    const double drop = before.z() - place.z();
-    const double share = drop > 0.0 ? std::clamp((before.z() - *options.ground) / drop, 0.0, 1.0) : 1.0;
-    layout.put_place(before + share * (place - before), state_of(n));
-    rest(n, BodyStatus::landed);
+  void read_before(int slot, std::span<double> numbers) const {
+    for (std::size_t i = 0; i < states; ++i) numbers[i] = before[i * width + static_cast<std::size_t>(slot)];
+  }
+
+  /// It rests where it was last.
+  void lose(Eigen::Index p, int slot) {
+    read_before(slot, state);
+    rest(body_of(p, slot), BodyStatus::not_finite, state);
+  }
+
+  /// Those that have come to the ground rest where their way met it. @returns which
+  std::uint64_t landed(Eigen::Index p, const models::Stepper::Pack& pack, std::uint64_t lanes) {
+    const double* height = pack.states + layout.positions().back() * pack.stride;
+    std::uint64_t down = 0;
+    for_bits(lanes, [&](int slot) {
+      if (!(height[slot] <= *options.ground)) return;
+      down |= std::uint64_t{1} << slot;
+      const Eigen::Index n = body_of(p, slot);
+      read_before(slot, state);
+      const Eigen::Vector3d from = layout.place(state);
+      stepper.read(n, state);
+      const Eigen::Vector3d place = layout.place(state);
+      const double drop = from.z() - place.z();
+      const double share = drop > 0.0 ? std::clamp((from.z() - *options.ground) / drop, 0.0, 1.0) : 1.0;
+      layout.put_place(from + share * (place - from), state);
+      rest(n, BodyStatus::landed, state);
+    });
+    return down;
   }
 
   /// At an event: the next piece, from the state at it.
-  void go_on(Eigen::Index n) {
+  void go_on(Eigen::Index p, int slot, const LaneRows<const double>& seen, std::vector<BodyEvent>& found) {
+    const Eigen::Index n = body_of(p, slot);
     Body& one = body(n);
-    const Event& event = one.finder.event();
+    const Event& event = finders.event(n);
     if (one.past_count == MarkovChain::kMostOrder) {
       std::shift_left(one.past.begin(), one.past.end(), 1);
       --one.past_count;
@@ -204,10 +241,10 @@ struct Bodies::Impl {
     const std::span<const int> past(one.past.data(), static_cast<std::size_t>(one.past_count));
     const std::span<NextPiece> wanted(choices.data(), static_cast<std::size_t>(std::max(1, options.tries)));
     const std::size_t count = options.choice == BodiesOptions::Choice::chain
-                                  ? pieces.after(one.followed, one.finder.state(), past, one.stream, wanted)
-                                  : pieces.after(one.followed, one.finder.state(), one.stream, wanted);
-    const NextPiece piece = best_of(n, wanted.first(count));
-    note({n, event.t, event.kind, one.planned, piece});
+                                  ? pieces.after(one.followed, finders.state(n), past, one.stream, wanted)
+                                  : pieces.after(one.followed, finders.state(n), one.stream, wanted);
+    const NextPiece piece = best_of(n, slot, seen, wanted.first(count));
+    note({n, event.t, event.kind, one.planned, piece}, found);
     one.planned = piece.kind;
     one.followed = piece.segment;
     const Eigen::VectorXd& target = pieces.coefficients(piece);
@@ -215,26 +252,23 @@ struct Bodies::Impl {
   }
 
   /// The first that keeps its kind when it is tried, else the first.
-  const NextPiece& best_of(Eigen::Index n, std::span<const NextPiece> some) {
+  const NextPiece& best_of(Eigen::Index n, int slot, const LaneRows<const double>& seen,
+                           std::span<const NextPiece> some) {
     if (!ahead) return some.front();
+    for (std::size_t i = 0; i < states; ++i) state[i] = seen.row(i)[slot];
     stepper.read_parameters(n, present);
-    const std::span<const double> state = options.wind ? std::span<const double>(relative) : state_of(n);
-    const std::size_t first = ahead->first_kept({body(n).finder, stepper.time(n), state, present}, some);
+    const std::size_t first = ahead->first_kept({finders, n, stepper.time(n), state, present}, some);
     return first < some.size() ? some[first] : some.front();
   }
 
-  void note(const BodyEvent& event) {
+  void note(const BodyEvent& event, std::vector<BodyEvent>& found) {
     ++counts.events;
     counts.planned += event.planned.has_value();
     counts.kept += event.planned == event.kind;
     counts.drawn += event.next.drawn.has_value();
     counts.taken += event.next.drawn == event.next.kind;
     counts.redrawn += event.next.is_of_chain && event.next.drawn != event.next.kind;
-    if (events.size() < room) {
-      events.push_back(event);
-    } else {
-      ++counts.dropped;
-    }
+    found.push_back(event);
   }
 
   const NextPieces& pieces;
@@ -244,20 +278,22 @@ struct Bodies::Impl {
   StateLayout layout;
   std::optional<models::GustLayout> gusts;  // in wind
   models::Stepper stepper;
-  std::size_t states, coefficients;
+  std::size_t states, coefficients, width;
+  EventLanes finders;
   std::vector<Body> bodies;
-  std::vector<double> current;         // states, as they are now
-  std::vector<double> last_place;      // before the last step
-  std::vector<double> values;          // all free parameters of one body
-  std::vector<double> relative, read;  // states
+  std::vector<Air> airs;                 // in wind
+  std::vector<double> before, relative;  // states of a pack: before its step, and in wind
+  std::vector<double> values;            // all free parameters of one body
+  std::vector<double> state;             // of one body
   std::optional<LookAhead> ahead;
   std::array<NextPiece, NextPieces::kMost> choices = {};
-  std::vector<double> present;  // coefficients of one body
+  std::vector<double> present;                       // coefficients of one body
+  std::array<std::vector<BodyEvent>, kBlock> fresh;  // of the steps that are taken now
   std::vector<BodyEvent> events;
   std::size_t room = 0;  // of events
   BodyCounts counts;
   models::PoseStates pose;
-  std::vector<std::size_t> pose_indices;
+  std::vector<Eigen::Index> pose_indices;
 };
 
 Bodies::Bodies(const NextPieces& pieces, Eigen::Index count, const BodiesOptions& options) {
@@ -336,7 +372,11 @@ void Bodies::advance(double dt) {
   impl_->events.clear();
   const double steps = std::max(1.0, std::ceil(dt / impl_->options.step * (1.0 - 1e-12)));
   if (steps > 1e8) throw ArgumentError(fmt::format("{} s take {} steps, expected at most 1e8", dt, steps));
-  for (long k = 0; k < static_cast<long>(steps); ++k) impl_->step(dt / steps);
+  for (auto left = static_cast<std::size_t>(steps); left > 0;) {
+    const std::size_t now = std::min(left, kBlock);
+    impl_->step(dt / steps, now);
+    left -= now;
+  }
 }
 
 std::span<const BodyEvent> Bodies::events() const {
@@ -370,7 +410,11 @@ void Bodies::read_state(Eigen::Index n, std::span<double> state) const {
   require_index(n);
   if (state.size() != impl_->states)
     throw ArgumentError(fmt::format("{} states were asked for, expected {}", state.size(), impl_->states));
-  std::ranges::copy(impl_->state_of(n), state.begin());
+  if (impl_->body(n).status == BodyStatus::waiting) {
+    std::ranges::fill(state, 0.0);
+  } else {
+    impl_->stepper.read(n, state);
+  }
 }
 
 void Bodies::read_coefficients(Eigen::Index n, std::span<double> coefficients) const {
@@ -390,8 +434,8 @@ void Bodies::read_poses(std::span<double> positions, std::span<double> rotations
   for (std::size_t n = 0; n < bodies; ++n) {
     models::BodyPose pose;
     if (impl_->bodies[n].status != BodyStatus::waiting) {
-      const std::span<const double> state = impl_->state_of(static_cast<Eigen::Index>(n));
-      for (std::size_t k = 0; k < impl_->pose_indices.size(); ++k) numbers[k] = state[impl_->pose_indices[k]];
+      for (std::size_t k = 0; k < impl_->pose_indices.size(); ++k)
+        numbers[k] = impl_->stepper.state(impl_->pose_indices[k], static_cast<Eigen::Index>(n));
       pose = impl_->pose.pose(std::span(numbers).first(impl_->pose_indices.size()));
     }
     std::ranges::copy(pose.p_WB, positions.begin() + static_cast<std::ptrdiff_t>(3 * n));

@@ -5,6 +5,7 @@
 
 #include "samara/models/batch/stepper.h"
 #include "samara/motion/bodies/next_pieces.h"
+#include "samara/motion/events/event_lanes.h"
 
 namespace samara::motion {
 
@@ -13,7 +14,8 @@ class LookAhead {
  public:
   /// What a body that goes on is like.
   struct Now {
-    const EventFinder& finder;  ///< that has just seen the state
+    const EventLanes& finders;  ///< one of which has just seen the state
+    Eigen::Index lane = 0;      ///< which
     double t = 0.0;
     std::span<const double> state, coefficients;
   };
@@ -27,15 +29,15 @@ class LookAhead {
  private:
   enum class Outcome { open, kept, lost };
 
-  Outcome look(Eigen::Index lane, EventKind kind, double end);
+  void begin(const Now& now, std::span<const NextPiece> choices);
+  void step(std::span<const NextPiece> choices, double end);
 
   const NextPieces& pieces_;
   double step_, ramp_, longest_;
   models::ParametricModel model_;
   models::Stepper stepper_;
-  std::vector<EventFinder> finders_;
+  EventLanes finders_;
   std::vector<Outcome> outcomes_;
-  std::vector<double> state_;
 };
 
 }  // namespace samara::motion

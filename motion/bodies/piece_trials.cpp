@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "samara/base/bits.h"
 #include "samara/base/parallel.h"
 #include "samara/models/batch/stepper.h"
+#include "samara/motion/events/event_lanes.h"
 
 namespace samara::motion {
 
@@ -20,7 +22,8 @@ class TrialLanes {
         ramp_(ramp),
         longest_(4.0 * std::ranges::max(database.segments, {}, &MotionSegment::duration).duration),
         stepper_(model, database.coefficient_names, kTrialLanes),
-        riders_(static_cast<std::size_t>(kTrialLanes), Rider{.finder = {moving_, database.events}}),
+        finders_(moving_, database.events, kTrialLanes, static_cast<std::size_t>(stepper_.width())),
+        riders_(static_cast<std::size_t>(kTrialLanes)),
         state_(database.state_names.size()) {
     const Eigen::VectorXd& any = database.runs.front().coefficients;
     for (Eigen::Index lane = 0; lane < kTrialLanes; ++lane) {
@@ -34,24 +37,36 @@ class TrialLanes {
     for (Eigen::Index lane = 0; lane < kTrialLanes && next < trials.size(); ++lane, ++riding)
       board(lane, next, trials[next]), ++next;
     while (riding > 0) {
-      stepper_.step(database_.step);
-      for (Eigen::Index lane = 0; lane < kTrialLanes; ++lane) {
-        Rider& rider = riders_[static_cast<std::size_t>(lane)];
-        if (!stepper_.runs(lane) || !look(rider, lane, kept[rider.number])) continue;
-        if (next < trials.size()) {
-          board(lane, next, trials[next]);
-          ++next;
-        } else {
-          stepper_.set_running(lane, false);
-          --riding;
-        }
+      for (Eigen::Index p = 0; p < stepper_.packs(); ++p) {
+        stepper_.step_pack(p, database_.step);
+        const models::Stepper::Pack pack = stepper_.pack(p);
+        const std::uint64_t finite = stepper_.finite_lanes(p);
+        const std::uint64_t events =
+            finders_.see(p, pack.times, {pack.states, pack.stride}, pack.running & finite);
+        for_bits(pack.running, [&](int slot) {
+          const Eigen::Index lane = p * stepper_.width() + slot;
+          Rider& rider = riders_[static_cast<std::size_t>(lane)];
+          const bool is_lost = !has_bit(finite, slot) || pack.times[slot] > longest_;
+          if (!is_lost && !has_bit(events, slot)) {
+            if (!rider.is_on_ramp) stepper_.read(lane, state_);
+            return steer(rider, lane);
+          }
+          if (!is_lost)
+            kept[rider.number] = finders_.event(lane).kind == segment(rider.trial.with).kind ? 1 : 0;
+          if (next < trials.size()) {
+            board(lane, next, trials[next]);
+            ++next;
+          } else {
+            stepper_.set_running(lane, false);
+            --riding;
+          }
+        });
       }
     }
   }
 
  private:
   struct Rider {
-    EventFinder finder;
     std::size_t number = 0;
     PieceTrial trial = {};
     double certain_square = 0.0;  // |v|^2 at which the event that it began with is certain
@@ -73,8 +88,7 @@ class TrialLanes {
     stepper_.set_parameters(lane, coefficients(trial.after));
     rider.number = number;
     rider.trial = trial;
-    rider.finder.restart();
-    rider.finder.see(0.0, state_);
+    finders_.begin(lane, 0.0, state_);
     // A steady segment ends when its time is over, and is certain then.
     rider.certain_square =
         segment(trial.after).is_steady
@@ -90,22 +104,11 @@ class TrialLanes {
     stepper_.ramp(lane, coefficients(rider.trial.with), ramp_);
   }
 
-  /// @returns whether the trial is over
-  bool look(Rider& rider, Eigen::Index lane, char& kept) {
-    stepper_.read(lane, state_);
-    if (!stepper_.finite(lane) || stepper_.time(lane) > longest_) return true;
-    if (rider.finder.see(stepper_.time(lane), state_)) {
-      kept = rider.finder.event().kind == segment(rider.trial.with).kind ? 1 : 0;
-      return true;
-    }
-    steer(rider, lane);
-    return false;
-  }
-
   const MotionDatabase& database_;
   MovingStates moving_;
   double ramp_, longest_;
   models::Stepper stepper_;
+  EventLanes finders_;
   std::vector<Rider> riders_;
   std::vector<double> state_;
 };

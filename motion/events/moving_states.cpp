@@ -111,12 +111,6 @@ double MovingStates::speed_square(std::span<const double> state) const {
   return sum;
 }
 
-Eigen::Vector3d MovingStates::normal(std::span<const double> state) const {
-  if (is_of_record_) return Eigen::Map<const Eigen::Vector3d>(state.data() + 6);
-  if (is_planar()) return {-std::sin(angle(state)), 0.0, std::cos(angle(state))};
-  return turned_z(unit_quaternion(state, layout_.attitude));
-}
-
 BodyMotion MovingStates::at(std::span<const double> state) const {
   BodyMotion motion;
   if (is_of_record_) {
@@ -128,7 +122,7 @@ BodyMotion MovingStates::at(std::span<const double> state) const {
   const auto& v = layout_.velocity;
   motion.position = layout_.place(state);
   if (is_planar()) {
-    const double s = std::sin(angle(state)), c = std::cos(angle(state));
+    const double angle = state[layout_.attitude[0]], s = std::sin(angle), c = std::cos(angle);
     const double vx = state[v[0]], vy = state[v[1]];
     motion.velocity = {vx * c - vy * s, 0.0, vx * s + vy * c};
     motion.normal = {-s, 0.0, c};

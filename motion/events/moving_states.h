@@ -42,6 +42,7 @@ class MovingStates {
   static MovingStates of_record(bool is_planar);
 
   bool is_planar() const { return layout_.is_planar; }
+  bool is_of_record() const { return is_of_record_; }
   std::size_t state_count() const { return count_; }
   /// Of states of a model.
   const StateLayout& layout() const { return layout_; }
@@ -51,10 +52,6 @@ class MovingStates {
   /// Parts of that, for less.
   Eigen::Vector3d place(std::span<const double> state) const;
   double speed_square(std::span<const double> state) const;
-  Eigen::Vector3d normal(std::span<const double> state) const;
-  /// Whether the attitude is an angle in a plane, and that: theta, which may have gone round many times.
-  bool has_angle() const { return is_planar() && !is_of_record_; }
-  double angle(std::span<const double> state) const { return state[layout_.attitude[0]]; }
 
   /// 5 in the plane: vx, vy, w, then sine and cosine of 2 theta (of theta, without symmetry). 9 in space: the unit
   /// vector downward in body axes, u, w; of a disc in axes whose x lies along the velocity across its normal.

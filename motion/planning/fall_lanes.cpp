@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "samara/base/bits.h"
 #include "samara/base/errors.h"
 #include "samara/base/smoothstep.h"
 #include "samara/motion/planning/fall_cost.h"
@@ -158,31 +159,36 @@ void Roaming::at(double t, std::span<const double> state, std::span<const double
                  Eigen::VectorXd& difference) {
   fall_.model().rhs(t, state, coefficients, rate_, workspace_);
   fall_.model().rhs(t, state, fall_.natural(), natural_rate_, workspace_);
-  const auto places = fall_.finder().layout().velocities();
+  const auto places = fall_.finder().moving_states().layout().velocities();
   difference.resize(static_cast<Eigen::Index>(places.size()));
   for (std::size_t k = 0; k < places.size(); ++k)
     difference[static_cast<Eigen::Index>(k)] = rate_[places[k]] - natural_rate_[places[k]];
 }
 
-struct FallLanes::Rider {
-  explicit Rider(const EventFinder& empty) : finder(empty) {}
-
-  std::size_t number = 0;
-  bool rides = false;
-  const Continuation* continuation = nullptr;
+/// What looks have added up.
+struct FallLanes::Sums {
   double square_time = 0.0;
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
-  EventFinder finder;
+  int roamings = 0;
+  double roaming = 0.0;  ///< sum over these
+};
+
+struct FallLanes::Rider {
+  std::size_t number = 0;
+  const Continuation* continuation = nullptr;
+  Sums sums, before;      ///< now, and at the look before
   Eigen::Index near = 0;  ///< point of the sketch that comes next
-  int steps = 0, roamings = 0;
-  double roaming = 0.0;     ///< sum over these
-  FallPoint here, slowest;  ///< the last look that was slower than the one before, and the slowest of them
-  FallPiece piece;          ///< once it has ended
+  int steps = 0;
+  FallPoint slowest;  ///< the look beside what may turn out to be an event
+  FallPiece piece;    ///< once it has ended
 };
 
 FallLanes::FallLanes(const PlannedFall& fall)
     : fall_(fall),
       stepper_(fall.model(), fall.names(), kLanes),
+      finders_(fall.finder().moving_states(), fall.finder().options(), kLanes,
+               static_cast<std::size_t>(stepper_.width())),
+      riders_(static_cast<std::size_t>(kLanes)),
       state_(static_cast<std::size_t>(fall.model().state_count())),
       roaming_(fall) {
   for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
@@ -191,29 +197,27 @@ FallLanes::FallLanes(const PlannedFall& fall)
   }
 }
 
+FallLanes::~FallLanes() = default;
+
 void FallLanes::board(Rider& rider, Eigen::Index lane, const Continuation& continuation) {
   const FallPoint& from = *continuation.from;
   stepper_.set_state(lane, from.t, from.state);
   stepper_.set_parameters(lane, from.coefficients);
   stepper_.ramp(lane, continuation.target, fall_.plan().search.ramp);
-  rider.rides = true;
   rider.continuation = &continuation;
-  rider.square_time = from.square_time;
-  rider.steps = rider.roamings = 0;
-  rider.roaming = 0.0;
-  rider.deviation = from.deviation;
-  rider.finder.restart();
-  rider.finder.see(from.t, from.state);
+  rider.sums = {.square_time = from.square_time, .deviation = from.deviation};
+  rider.steps = 0;
+  finders_.begin(lane, from.t, from.state);
 }
 
-/// Into what is there already, and no more than must be remembered now: this happens at most looks.
-void FallLanes::put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const {
-  point.t = stepper_.time(lane);
+/// Into what is there already. The state is that in state_, the sums are the last ones.
+void FallLanes::put_point(const Sums& sums, double t, FallPoint& point) const {
+  point.t = t;
   point.state = state_;
   point.height = fall_.states().position(state_).z();
-  point.square_time = rider.square_time;
-  point.deviation = rider.deviation;
-  point.acceleration_square = rider.roamings > 0 ? rider.roaming / rider.roamings : 0.0;
+  point.square_time = sums.square_time;
+  point.deviation = sums.deviation;
+  point.acceleration_square = sums.roamings > 0 ? sums.roaming / sums.roamings : 0.0;
 }
 
 /// What they were at the time of the point, on the ramp of the piece.
@@ -226,32 +230,37 @@ void FallLanes::put_coefficients(const Rider& rider, FallPoint& point) const {
     point.coefficients[j] = gone(from.coefficients[j], point.heading_for[j], share);
 }
 
-bool FallLanes::look(Rider& rider, Eigen::Index lane) {
+void FallLanes::add_look(Rider& rider, double t, const Eigen::Vector3d& place) {
+  rider.before = rider.sums;
+  Sums& sums = rider.sums;
+  sums.deviation = fall_.deviation(t, place, rider.near);
+  const int steps = fall_.steps_to_look();
+  sums.square_time += 0.5 * steps * fall_.plan().search.step *
+                      (rider.before.deviation.squaredNorm() + sums.deviation.squaredNorm());
+  rider.steps += steps;
+  if (!(fall_.plan().turbulence > 0.0) || rider.steps <= sums.roamings * kBetweenLooks) return;
+  roaming_.at(t, state_, rider.continuation->target, difference_);
+  sums.roaming += difference_.squaredNorm();
+  ++sums.roamings;
+}
+
+bool FallLanes::look(Rider& rider, Eigen::Index lane, bool is_finite, bool is_event) {
   stepper_.read(lane, state_);
   const double t = stepper_.time(lane);
   const Eigen::Vector3d place = fall_.states().position(state_);
-  const Eigen::Vector3d before = rider.deviation;
-  rider.deviation = fall_.deviation(t, place, rider.near);
-  const int steps = fall_.steps_to_look();
-  rider.square_time +=
-      0.5 * steps * fall_.plan().search.step * (before.squaredNorm() + rider.deviation.squaredNorm());
-  rider.steps += steps;
-  if (fall_.plan().turbulence > 0.0 && rider.steps > rider.roamings * kBetweenLooks) {
-    roaming_.at(t, state_, rider.continuation->target, difference_);
-    rider.roaming += difference_.squaredNorm();
-    ++rider.roamings;
+  add_look(rider, t, place);
+  if (!is_finite) return end_piece(rider, lane, FallEnd::not_finite);
+  if (finders_.proposes(lane)) {
+    const double before = finders_.read_before(lane, state_);
+    put_point(rider.before, before, rider.slowest);
+    stepper_.read(lane, state_);
   }
-  if (!std::ranges::all_of(state_, [](double x) { return std::isfinite(x); }))
-    return end_piece(rider, lane, FallEnd::not_finite);
-  const bool is_event = rider.finder.see(t, state_);
-  if (rider.finder.proposes()) std::swap(rider.slowest, rider.here);
-  if (rider.finder.is_slowing()) put_point(rider, lane, rider.here);
   if (fall_.is_over(t, place.z())) return end_piece(rider, lane, FallEnd::ground);
   if (is_event) {
     end_piece(rider, lane, FallEnd::decision);
     rider.piece.has_event = true;
-    if (rider.finder.event().is_steady) return true;
-    rider.piece.kind = rider.finder.event().kind;
+    if (finders_.event(lane).is_steady) return true;
+    rider.piece.kind = finders_.event(lane).kind;
     rider.piece.to = rider.slowest;
     put_coefficients(rider, rider.piece.to);
     return true;
@@ -264,7 +273,7 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
 
 /// Where it is now.
 bool FallLanes::end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const {
-  put_point(rider, lane, rider.piece.to);
+  put_point(rider.sums, stepper_.time(lane), rider.piece.to);
   put_coefficients(rider, rider.piece.to);
   rider.piece.end = how;
   rider.piece.has_event = false;
@@ -274,30 +283,35 @@ bool FallLanes::end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const {
 
 void FallLanes::run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,
                     SharedProgress& progress) {
-  std::vector<Rider> riders(static_cast<std::size_t>(kLanes), Rider(fall_.finder()));
   std::size_t next = 0, riding = 0;
-  for (Eigen::Index lane = 0; lane < kLanes && next < continuations.size(); ++lane) {
-    Rider& rider = riders[static_cast<std::size_t>(lane)];
+  // @returns whether there was one left
+  const auto board_next = [&](Eigen::Index lane) {
+    if (next == continuations.size()) return false;
+    Rider& rider = riders_[static_cast<std::size_t>(lane)];
     rider.number = next;
     board(rider, lane, continuations[next++]);
-    ++riding;
-  }
+    return true;
+  };
+  for (Eigen::Index lane = 0; lane < kLanes && board_next(lane); ++lane) ++riding;
   while (riding > 0 && progress.goes_on()) {
-    stepper_.step(fall_.plan().search.step, fall_.steps_to_look());
-    for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
-      Rider& rider = riders[static_cast<std::size_t>(lane)];
-      if (!rider.rides || !look(rider, lane)) continue;
-      pieces[rider.number] = rider.piece;
-      if (next < continuations.size()) {
-        rider.number = next;
-        board(rider, lane, continuations[next++]);
-      } else {
-        rider.rides = false;
+    for (Eigen::Index p = 0; p < stepper_.packs(); ++p) {
+      stepper_.step_pack(p, fall_.plan().search.step, fall_.steps_to_look());
+      const models::Stepper::Pack pack = stepper_.pack(p);
+      const std::uint64_t finite = stepper_.finite_lanes(p);
+      const std::uint64_t events =
+          finders_.see(p, pack.times, {pack.states, pack.stride}, pack.running & finite);
+      for_bits(pack.running, [&](int slot) {
+        const Eigen::Index lane = p * stepper_.width() + slot;
+        Rider& rider = riders_[static_cast<std::size_t>(lane)];
+        if (!look(rider, lane, has_bit(finite, slot), has_bit(events, slot))) return;
+        pieces[rider.number] = rider.piece;
+        if (board_next(lane)) return;
         stepper_.set_running(lane, false);
         --riding;
-      }
+      });
     }
   }
+  for (Eigen::Index lane = 0; lane < kLanes; ++lane) stepper_.set_running(lane, false);
 }
 
 }  // namespace samara::motion

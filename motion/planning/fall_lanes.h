@@ -121,6 +121,7 @@ struct Continuation {
 class FallLanes {
  public:
   explicit FallLanes(const PlannedFall& fall);
+  ~FallLanes();
 
   /// @param pieces one per continuation; those that had not ended when `progress` was cancelled are not finite
   void run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,
@@ -128,16 +129,21 @@ class FallLanes {
 
  private:
   struct Rider;
+  struct Sums;
   void board(Rider& rider, Eigen::Index lane, const Continuation& continuation);
+  /// What a look adds up.
+  void add_look(Rider& rider, double t, const Eigen::Vector3d& place);
   /// @returns whether the piece of this lane has ended
-  bool look(Rider& rider, Eigen::Index lane);
+  bool look(Rider& rider, Eigen::Index lane, bool is_finite, bool is_event);
   bool end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const;
-  void put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const;
+  void put_point(const Sums& sums, double t, FallPoint& point) const;
   void put_coefficients(const Rider& rider, FallPoint& point) const;
 
   const PlannedFall& fall_;
   models::Stepper stepper_;
-  std::vector<double> state_;
+  EventLanes finders_;
+  std::vector<Rider> riders_;
+  std::vector<double> state_;  ///< of the lane that is looked at
   Roaming roaming_;
   Eigen::VectorXd difference_;
 };

@@ -204,6 +204,78 @@ TEST_CASE("steady descent is cut every two lengths of fall, and a finder allocat
   CHECK(events == run.events().events.size());
 }
 
+namespace {
+
+std::vector<double> numbers_of(const Event& event, std::span<const double> state) {
+  std::vector<double> numbers = {event.t, event.duration, event.turn, static_cast<double>(event.kind)};
+  numbers.insert(numbers.end(), event.displacement.begin(), event.displacement.end());
+  numbers.insert(numbers.end(), state.begin(), state.end());
+  return numbers;
+}
+
+/// Sees the columns of a run, from different ones on, in lanes of packs; lane `copied` goes on as lane 0 from `from` on.
+std::vector<std::vector<double>> seen_in_packs(const Run& run, std::size_t width, std::size_t lanes,
+                                               std::size_t copied, std::size_t from) {
+  EventLanes finders(run.moving, run.options, static_cast<Eigen::Index>(lanes), width);
+  std::vector<std::vector<double>> found(lanes);
+  const std::size_t states = run.moving.state_count(), packs = (lanes + width - 1) / width;
+  std::vector<double> rows(states * width), times(width);
+  const auto column = [&](std::size_t k) {
+    return std::span(run.states.col(static_cast<Eigen::Index>(k)).data(), states);
+  };
+  for (std::size_t k = 0; k + lanes < run.times.size(); ++k) {
+    for (std::size_t pack = 0; pack < packs; ++pack) {
+      for (std::size_t slot = 0; slot < width; ++slot) {
+        const std::size_t lane = pack * width + slot, at = k + (lane == copied && k > from ? 0 : lane);
+        times[slot] = run.times[at];
+        for (std::size_t i = 0; i < states; ++i) rows[i * width + slot] = column(at)[i];
+      }
+      const std::uint64_t used = lanes - pack * width >= width ? ~std::uint64_t{0} >> (64 - width)
+                                                               : (std::uint64_t{1} << (lanes % width)) - 1;
+      const std::uint64_t events =
+          k == 0 ? 0 : finders.see(static_cast<Eigen::Index>(pack), times.data(), {rows.data(), width}, used);
+      for (std::size_t slot = 0; slot < width && pack * width + slot < lanes; ++slot) {
+        const std::size_t lane = pack * width + slot;
+        const auto index = static_cast<Eigen::Index>(lane);
+        if (k == 0) finders.begin(index, times[slot], column(lane));
+        if ((events >> slot & 1) == 0) continue;
+        const std::vector<double> numbers = numbers_of(finders.event(index), finders.state(index));
+        found[lane].insert(found[lane].end(), numbers.begin(), numbers.end());
+      }
+    }
+    if (k != from) continue;
+    finders.copy(static_cast<Eigen::Index>(copied), finders, 0);
+    found[copied] = found[0];
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("motions have the same events alone and in packs of any width, to the bit") {
+  for (const Run& run : {plate_run(1.1, 60.0, 0.05), card_run(oblique())}) {
+    constexpr std::size_t kLanes = 11;  // the last pack is not full
+    const auto alone = seen_in_packs(run, 1, kLanes, kLanes - 1, 200);
+    REQUIRE(alone[0].size() > 50);
+    for (const std::size_t width : {2, 4, 8, 13})
+      CHECK(seen_in_packs(run, width, kLanes, 9, 200)[3] == alone[3]);
+    const auto wide = seen_in_packs(run, 8, kLanes, kLanes - 1, 200);
+    CHECK(wide == alone);
+    // What goes on as another lane does sees what that sees.
+    CHECK(wide[kLanes - 1] == wide[0]);
+    EventFinder finder(run.moving, run.options);
+    std::vector<double> found;
+    for (std::size_t k = 3; k + kLanes < run.times.size() + 3; ++k) {
+      const std::span<const double> state(run.states.col(static_cast<Eigen::Index>(k)).data(),
+                                          run.moving.state_count());
+      if (!finder.see(run.times[k], state)) continue;
+      const std::vector<double> numbers = numbers_of(finder.event(), finder.state());
+      found.insert(found.end(), numbers.begin(), numbers.end());
+    }
+    CHECK(found == alone[3]);
+  }
+}
+
 TEST_CASE("a normal that is the opposite one in the next frame leaves the turns finite") {
   const MovingStates moving = MovingStates::of_record(true);
   const std::vector<double> times = equal_times(12.0, 0.1);
@@ -215,6 +287,33 @@ TEST_CASE("a normal that is the opposite one in the next frame leaves the turns 
   const EventList list = events_of(moving, {.mean_square_speed = 4.5}, times, states);
   REQUIRE(list.events.size() == 2);
   for (const Event& event : list.events) CHECK(event.turn == 0.0);
+}
+
+TEST_CASE("turns are those of the axis, however far a body turns in a frame, past a quarter as well") {
+  // A spin about the horizontal axis along -y, and a speed with minima 1 s apart.
+  const samara::models::ParametricModel card(samara::models::find_model("immersed_body"),
+                                             card_values(Eigen::Quaterniond::Identity()), {});
+  const MovingStates moving = MovingStates::of(card.model(), card.parameters({}));
+  const StateLayout& at = moving.layout();
+  for (const double per_frame : {0.01, 0.3, 1.2, 2.5}) {
+    constexpr double kFrame = 0.05;
+    const std::vector<double> times = equal_times(6.0, kFrame);
+    Eigen::MatrixXd states = Eigen::MatrixXd::Zero(13, static_cast<Eigen::Index>(times.size()));
+    for (Eigen::Index k = 0; k < states.cols(); ++k) {
+      const double t = times[static_cast<std::size_t>(k)], angle = per_frame * t / kFrame;
+      states(static_cast<Eigen::Index>(at.position[0]), k) = t;
+      states(static_cast<Eigen::Index>(at.attitude[0]), k) = std::cos(0.5 * angle);
+      states(static_cast<Eigen::Index>(at.attitude[2]), k) = -std::sin(0.5 * angle);
+      states(static_cast<Eigen::Index>(at.velocity[0]), k) = 2.0 - std::cos(2.0 * std::numbers::pi * t);
+    }
+    const EventList list = events_of(moving, {.mean_square_speed = 4.5}, times, states);
+    REQUIRE(list.events.size() >= 4);
+    for (const Event& event : list.events) {
+      if (event.is_first) continue;
+      CHECK(event.duration == Approx(1.0).epsilon(1e-3));
+      CHECK(event.turn == Approx(per_frame * event.duration / kFrame).epsilon(1e-6));
+    }
+  }
 }
 
 TEST_CASE("a noisy record has the events of the clean motion") {
