@@ -15,8 +15,7 @@ namespace {
 
 /// Of the edges that lead to a sturdy segment, the share that must be sound.
 constexpr double kSturdy = 0.9;
-/// See NearPoints: of searches at run time, which then take microseconds, and of how many they ask for.
-constexpr double kSlack = 4.0;
+/// Of sturdy segments near a state, how many are looked for.
 constexpr std::size_t kNear = 4;
 
 /// The 90 % point of the distances from the ends of kept segments to the nearest start in another run; the graph's
@@ -35,6 +34,13 @@ double reach_of(const MotionGraph& graph) {
   const auto high = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() * 9 / 10);
   std::ranges::nth_element(nearest, high);
   return *high;
+}
+
+/// Of some of their coordinates.
+double square_between(const double* a, const double* b, std::size_t first, std::size_t last) {
+  double sum = 0.0;
+  for (std::size_t i = first; i < last; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
 }
 
 double median_duration(const MotionDatabase& database) {
@@ -127,19 +133,9 @@ void NextPieces::plant_trees() {
   }
 }
 
-std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double> state,
+std::size_t NextPieces::candidates(Eigen::Index followed, const Places& places,
                                    std::span<NearSegment> found) const {
   if (followed < 0) return 0;
-  constexpr std::size_t kCopies = 4, kDimensions = 9;
-  const MovingStates& moving = tree_.moving_states();
-  const auto size = static_cast<std::size_t>(moving.reduced_size());
-  std::array<std::array<double, kDimensions>, kCopies> places;
-  for (int copy = 0; copy < moving.copies(); ++copy) {
-    const std::span<double> place = std::span(places[static_cast<std::size_t>(copy)]).first(size);
-    moving.reduce(state, place);
-    moving.turn_to_copy(copy, place);
-    metric_.place(place);
-  }
   std::size_t have = 0;
   const auto node = static_cast<std::size_t>(followed);
   for (Eigen::Index k = graph_.first_edge[node]; k < graph_.first_edge[node + 1] && have < found.size();
@@ -147,13 +143,12 @@ std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double
     if (sound_[static_cast<std::size_t>(k)] == 0) continue;
     const Eigen::Index to = graph_.edges[static_cast<std::size_t>(k)].to;
     double least = reach_ * reach_;
-    const double* start = places_.data() + static_cast<std::size_t>(to) * size;
-    for (int copy = 0; copy < moving.copies(); ++copy) {
-      double square = 0.0;
-      for (std::size_t i = 0; i < size; ++i) {
-        const double gap = places[static_cast<std::size_t>(copy)][i] - start[i];
-        square += gap * gap;
-      }
+    const double* start = places_.data() + static_cast<std::size_t>(to) * places.dimensions;
+    for (std::size_t copy = 0; copy < places.copies; ++copy) {
+      const double* place = places.copy(copy).data();
+      // The first three tell most copies apart.
+      double square = square_between(place, start, 0, 3);
+      if (square < least) square += square_between(place, start, 3, places.dimensions);
       least = std::min(least, square);
     }
     if (least < reach_ * reach_) found[have++] = {to, std::sqrt(least)};
@@ -161,6 +156,26 @@ std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double
   std::ranges::sort(found.first(have), {}, &NearSegment::distance);
   return have;
 }
+
+/// The sturdy segment that begins nearest to a state, looked for once, and only where it is asked for.
+class NextPieces::Nearest {
+ public:
+  Nearest(const SegmentTree& tree, const Places& places) : tree_(tree), places_(places) {}
+
+  const Places& places() const { return places_; }
+  const NearSegment* of_all() {
+    if (!is_known_) count_ = tree_.nearest(places_, {&nearest_, 1});
+    is_known_ = true;
+    return count_ > 0 ? &nearest_ : nullptr;
+  }
+
+ private:
+  const SegmentTree& tree_;
+  const Places& places_;
+  NearSegment nearest_;
+  std::size_t count_ = 0;
+  bool is_known_ = false;
+};
 
 /// Pieces that are found, each segment once, until there are enough.
 class NextPieces::Found {
@@ -187,6 +202,8 @@ class NextPieces::Found {
   }
   bool is_full() const { return count_ >= limit_; }
   bool has_room() const { return count_ < room_.size(); }
+  /// How many can still be added.
+  std::size_t room() const { return limit_ - std::min(limit_, count_); }
   std::size_t count() const { return count_; }
   EventKind kind_of(const NearSegment& near) const {
     return database_.segments[static_cast<std::size_t>(near.segment)].kind;
@@ -211,62 +228,75 @@ class NextPieces::Found {
   std::size_t limit_, count_ = 0;
 };
 
-void NextPieces::add_any(std::span<const double> state, std::span<const NearSegment> along, Stream& stream,
+void NextPieces::add_any(Nearest& nearest, std::span<const NearSegment> along, Stream& stream,
                          Found& found) const {
-  std::array<NearSegment, kNear> near;
   found.add_by_chance(along, stream);
-  if (!found.is_full()) {
-    const auto all = std::span<const NearSegment>(near).first(near_->nearest(state, near, kSlack));
-    const auto far =
-        std::ranges::find_if(all, [&](const NearSegment& one) { return one.distance >= reach_; });
-    const auto inside = static_cast<std::size_t>(far - all.begin());
-    found.add_by_chance(all.first(inside), stream);
-    for (const NearSegment& one : all.subspan(inside)) found.add(one);
-  }
+  if (!found.is_full()) add_near(nearest, stream, found);
   found.open_all();
+  NearSegment near;
   for (std::size_t kind = 0; kind < kEventKinds && !found.is_full(); ++kind) {
-    if (kinds_[kind] && kinds_[kind]->nearest(state, std::span(near).first(1), kSlack) > 0)
-      found.add(near[0]);
+    if (kinds_[kind] && kinds_[kind]->nearest(nearest.places(), {&near, 1}) > 0) found.add(near);
   }
+}
+
+void NextPieces::add_near(Nearest& nearest, Stream& stream, Found& found) const {
+  const NearSegment* const first = nearest.of_all();
+  if (first == nullptr) return;
+  if (found.room() == 1 && first->distance >= reach_) return found.add(*first);
+  std::array<NearSegment, kNear> near;
+  const auto all = std::span<const NearSegment>(near).first(near_->nearest(nearest.places(), near));
+  const auto far = std::ranges::find_if(all, [&](const NearSegment& one) { return one.distance >= reach_; });
+  const auto inside = static_cast<std::size_t>(far - all.begin());
+  found.add_by_chance(all.first(inside), stream);
+  for (const NearSegment& one : all.subspan(inside)) found.add(one);
 }
 
 std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, Stream& stream,
                               std::span<NextPiece> room) const {
+  const Places places = tree_.places(state);
+  Nearest nearest(*near_, places);
   std::array<NearSegment, kMostEdges> along;
   Found found(database_, room);
-  add_any(state, std::span(along).first(candidates(followed, state, along)), stream, found);
+  add_any(nearest, std::span(along).first(candidates(followed, places, along)), stream, found);
   return found.count();
 }
 
-void NextPieces::add_of_kind(EventKind kind, std::span<const double> state,
-                             std::span<const NearSegment> along, Found& found) const {
+void NextPieces::add_of_kind(EventKind kind, Nearest& nearest, std::span<const NearSegment> along,
+                             Found& found) const {
   for (const NearSegment& one : along) {
     if (found.kind_of(one) == kind) found.add(one);
   }
   const auto& tree = kinds_[static_cast<std::size_t>(kind)];
   if (!tree || found.is_full()) return;
+  // The nearest of all is mostly of the kind, or there is none within reach.
+  const NearSegment& first = *nearest.of_all();
+  if (first.distance >= reach_) return;
+  if (found.kind_of(first) == kind) found.add(first);
+  if (found.is_full()) return;
+  // Those that are found already may be among the nearest.
   std::array<NearSegment, kNear> near;
-  const std::size_t count = tree->nearest(state, near, kSlack);
-  for (const NearSegment& one : std::span(near).first(count)) {
-    if (one.distance < reach_) found.add(one);
-  }
+  const std::size_t wanted = std::min(kNear, found.room() + found.count());
+  const std::size_t count = tree->nearest(nearest.places(), std::span(near).first(wanted), reach_);
+  for (const NearSegment& one : std::span(near).first(count)) found.add(one);
 }
 
 std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
                               Stream& stream, std::span<NextPiece> room) const {
+  const Places places = tree_.places(state);
+  Nearest nearest(*near_, places);
   std::array<NearSegment, kMostEdges> along;
-  const std::span<const NearSegment> edges = std::span(along).first(candidates(followed, state, along));
+  const std::span<const NearSegment> edges = std::span(along).first(candidates(followed, places, along));
   Found found(database_, room);
   std::array<char, kEventKinds> is_drawn = {};
   for (std::size_t n = 0; n < kEventKinds && found.has_room(); ++n) {
     const int kind = chain_.draw(past, is_drawn, stream);
     is_drawn[static_cast<std::size_t>(kind)] = 1;
     found.draw(static_cast<EventKind>(kind), n == 0);
-    add_of_kind(static_cast<EventKind>(kind), state, edges, found);
+    add_of_kind(static_cast<EventKind>(kind), nearest, edges, found);
   }
   if (!found.has_room()) return found.count();
   found.open_all();
-  add_any(state, edges, stream, found);
+  add_any(nearest, edges, stream, found);
   return found.count();
 }
 

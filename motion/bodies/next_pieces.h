@@ -79,15 +79,15 @@ class NextPieces {
  private:
   static constexpr std::size_t kMostEdges = 32;
   class Found;
+  class Nearest;
   void try_edges();
   void plant_trees();
+  using Places = SegmentTree::Places;
   /// Segments along sound edges, within reach(), the nearest first.
-  std::size_t candidates(Eigen::Index followed, std::span<const double> state,
-                         std::span<NearSegment> found) const;
-  void add_of_kind(EventKind kind, std::span<const double> state, std::span<const NearSegment> along,
-                   Found& found) const;
-  void add_any(std::span<const double> state, std::span<const NearSegment> along, Stream& stream,
-               Found& found) const;
+  std::size_t candidates(Eigen::Index followed, const Places& places, std::span<NearSegment> found) const;
+  void add_of_kind(EventKind kind, Nearest& nearest, std::span<const NearSegment> along, Found& found) const;
+  void add_near(Nearest& nearest, Stream& stream, Found& found) const;
+  void add_any(Nearest& nearest, std::span<const NearSegment> along, Stream& stream, Found& found) const;
 
   MotionDatabase database_;
   MotionGraph graph_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 namespace samara::motion {
@@ -15,19 +16,38 @@ std::vector<Eigen::Index> all_segments(const MotionDatabase& database) {
   return all;
 }
 
-/// Where segments begin, in the metric, all copies of each after another.
+/// Where segments begin, in the metric. Copies differ in signs: of each start the one is taken in which those are positive
+/// that are largest in the mean. So all lie on one side, and most copies of a place that is looked for are far from them.
 Eigen::MatrixXd places_of_starts(const MotionDatabase& database, const std::vector<Eigen::Index>& segments,
                                  const MovingStates& moving, const StateMetric& metric) {
-  const int copies = moving.copies();
-  Eigen::MatrixXd places(std::ssize(segments) * copies, moving.reduced_size());
-  Eigen::VectorXd state, place(moving.reduced_size());
+  const auto size = static_cast<Eigen::Index>(moving.reduced_size());
+  Eigen::MatrixXd places(std::ssize(segments), size);
+  Eigen::VectorXd state, place(size);
+  const std::span<double> numbers(place.data(), static_cast<std::size_t>(size));
   for (Eigen::Index p = 0; p < places.rows(); ++p) {
-    state = database.starts.row(segments[static_cast<std::size_t>(p / copies)]);
-    const std::span<double> numbers(place.data(), static_cast<std::size_t>(place.size()));
+    state = database.starts.row(segments[static_cast<std::size_t>(p)]);
     moving.reduce({state.data(), static_cast<std::size_t>(state.size())}, numbers);
-    moving.turn_to_copy(static_cast<int>(p % copies), numbers);
     metric.place(numbers);
     places.row(p) = place;
+  }
+  Eigen::MatrixXd signs(moving.copies(), size);
+  for (int copy = 0; copy < moving.copies(); ++copy) {
+    place.setOnes();
+    moving.turn_to_copy(copy, numbers);
+    signs.row(copy) = place;
+  }
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(size));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  const Eigen::RowVectorXd sizes = places.cwiseAbs().colwise().sum();
+  std::ranges::stable_sort(order, std::greater<>(), [&](Eigen::Index i) { return sizes[i]; });
+  for (Eigen::Index p = 0; p < places.rows(); ++p) {
+    Eigen::Index best = 0;
+    for (Eigen::Index copy = 1; copy < signs.rows(); ++copy) {
+      const auto first =
+          std::ranges::find_if(order, [&](Eigen::Index i) { return signs(copy, i) != signs(best, i); });
+      if (signs(copy, *first) * places(p, *first) > 0.0) best = copy;
+    }
+    places.row(p) = places.row(p).cwiseProduct(signs.row(best));
   }
   return places;
 }
@@ -42,30 +62,31 @@ SegmentTree::SegmentTree(const MotionDatabase& database, std::vector<Eigen::Inde
       segments_(std::move(segments)),
       points_(places_of_starts(database, segments_, moving_, metric_)) {}
 
-std::size_t SegmentTree::nearest(std::span<const double> state, std::span<NearSegment> found,
-                                 double slack) const {
-  constexpr std::size_t kDimensions = 9;
-  std::array<double, kDimensions> numbers;
-  const std::span<double> place = std::span(numbers).first(static_cast<std::size_t>(moving_.reduced_size()));
-  moving_.reduce(state, place);
-  metric_.place(place);
-  const std::size_t wanted = std::min(found.size(), kMost);
-  const auto copies = static_cast<std::size_t>(moving_.copies());
-  std::array<Eigen::Index, NearPoints::kMost> points;
-  std::array<double, NearPoints::kMost> squares;
-  std::size_t have = 0;
-  // Copies of one segment may all be among the nearest; rarely are.
-  for (std::size_t asked = std::min(wanted + copies, wanted * copies);; asked = wanted * copies) {
-    const std::size_t count = points_.nearest(place, std::span(points).first(asked), squares, slack);
-    have = 0;
-    for (std::size_t k = 0; k < count && have < wanted; ++k) {
-      const Eigen::Index segment = segments_[static_cast<std::size_t>(points[k]) / copies];
-      const auto known = found.first(have);
-      if (std::ranges::find(known, segment, &NearSegment::segment) != known.end()) continue;
-      found[have++] = {segment, std::sqrt(squares[k])};
-    }
-    if (have == wanted || count < asked || asked == wanted * copies) return have;
+SegmentTree::Places SegmentTree::places(std::span<const double> state) const {
+  Places places;
+  places.copies = static_cast<std::size_t>(moving_.copies());
+  places.dimensions = static_cast<std::size_t>(moving_.reduced_size());
+  const std::span<double> first = std::span(places.numbers).first(places.dimensions);
+  moving_.reduce(state, first);
+  metric_.place(first);
+  for (std::size_t k = 1; k < places.copies; ++k) {
+    const std::span<double> copy =
+        std::span(places.numbers).subspan(k * places.dimensions, places.dimensions);
+    std::ranges::copy(first, copy.begin());
+    moving_.turn_to_copy(static_cast<int>(k), copy);
   }
+  return places;
+}
+
+std::size_t SegmentTree::nearest(const Places& places, std::span<NearSegment> found, double within) const {
+  const std::size_t wanted = std::min(found.size(), kMost);
+  std::array<Eigen::Index, kMost> points;
+  std::array<double, kMost> squares;
+  const std::size_t count =
+      points_.nearest_to_any(places.all(), std::span(points).first(wanted), squares, within * within);
+  for (std::size_t k = 0; k < count; ++k)
+    found[k] = {segments_[static_cast<std::size_t>(points[k])], std::sqrt(squares[k])};
+  return count;
 }
 
 }  // namespace samara::motion

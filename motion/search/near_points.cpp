@@ -10,6 +10,49 @@
 
 namespace samara::motion {
 
+namespace {
+
+/// What nanoflann puts points into: the nearest, each once, of those nearer than a limit.
+class NearestOnce {
+ public:
+  NearestOnce(std::span<Eigen::Index> found, std::span<double> squares, double within)
+      : found_(found), squares_(squares), within_(within) {}
+
+  std::size_t size() const { return count_; }
+  bool full() const { return count_ == found_.size(); }
+  double worstDist() const { return full() ? squares_[count_ - 1] : within_; }
+  /// @returns true: the search goes on
+  bool addPoint(double square, std::size_t point) {
+    if (!(square < worstDist())) return true;
+    const auto index = static_cast<Eigen::Index>(point);
+    std::size_t place = 0;
+    while (place < count_ && found_[place] != index) ++place;
+    if (place < count_ && squares_[place] <= square) return true;
+    if (place == count_) {
+      if (full()) {
+        --place;
+      } else {
+        ++count_;
+      }
+    }
+    for (; place > 0 && squares_[place - 1] > square; --place) {
+      squares_[place] = squares_[place - 1];
+      found_[place] = found_[place - 1];
+    }
+    squares_[place] = square;
+    found_[place] = index;
+    return true;
+  }
+
+ private:
+  std::span<Eigen::Index> found_;
+  std::span<double> squares_;
+  double within_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
 /// What nanoflann asks of points.
 struct NearPoints::Tree {
   explicit Tree(const Eigen::Ref<const Eigen::MatrixXd>& all) : points(all.transpose()) {}
@@ -24,16 +67,38 @@ struct NearPoints::Tree {
     return false;
   }
 
-  virtual std::size_t nearest(const double* place, std::size_t count, std::size_t* found, double* squares,
-                              double slack) const = 0;
+  /// Puts what is nearer into the set, if there can be any.
+  virtual void add_nearest(const double* place, NearestOnce& set) const = 0;
+  /// Squared distance of a place to the box of all points.
+  virtual double square_to_box(const double* place) const = 0;
   virtual std::vector<Eigen::Index> within(const double* place, double square) const = 0;
 
   Eigen::MatrixXd points;  ///< a column each
 };
 
+/// Squared distances, in the way nanoflann asks for them: of two points at once, so that the compiler sees how many
+/// coordinates there are.
+template <int kDimensions>
+struct SquaredDistance {
+  using ElementType = double;
+  using DistanceType = double;
+  using Numbers =
+      Eigen::Map<const Eigen::Matrix<double, kDimensions == -1 ? Eigen::Dynamic : kDimensions, 1>>;
+
+  explicit SquaredDistance(const auto& tree) : points(tree.points) {}
+
+  double evalMetric(const double* place, std::size_t point, std::size_t size) const {
+    const auto count = static_cast<Eigen::Index>(size);
+    return (Numbers(place, count) - Numbers(points.data() + point * size, count)).squaredNorm();
+  }
+  double accum_dist(double a, double b, std::size_t) const { return (a - b) * (a - b); }
+
+  const Eigen::MatrixXd& points;
+};
+
 template <int kDimensions>
 struct NearPoints::TreeOf final : NearPoints::Tree {
-  using Metric = nanoflann::L2_Simple_Adaptor<double, Tree, double, std::size_t>;
+  using Metric = SquaredDistance<kDimensions>;
   using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Tree, kDimensions, std::size_t>;
 
   explicit TreeOf(const Eigen::Ref<const Eigen::MatrixXd>& all)
@@ -41,12 +106,18 @@ struct NearPoints::TreeOf final : NearPoints::Tree {
     if (points.cols() > 0) index.buildIndex();
   }
 
-  std::size_t nearest(const double* place, std::size_t count, std::size_t* found, double* squares,
-                      double slack) const override {
-    nanoflann::KNNResultSet<double, std::size_t> set(count);
-    set.init(found, squares);
-    index.findNeighbors(set, place, nanoflann::SearchParams(32, static_cast<float>(slack)));
-    return set.size();
+  void add_nearest(const double* place, NearestOnce& set) const override {
+    index.findNeighbors(set, place, nanoflann::SearchParams());
+  }
+
+  double square_to_box(const double* place) const override {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < index.root_bbox.size(); ++i) {
+      const auto& [low, high] = index.root_bbox[i];
+      const double gap = std::max({0.0, low - place[i], place[i] - high});
+      sum += gap * gap;
+    }
+    return sum;
   }
 
   std::vector<Eigen::Index> within(const double* place, double square) const override {
@@ -83,15 +154,28 @@ Eigen::Index NearPoints::size() const {
   return tree_->points.cols();
 }
 
-std::size_t NearPoints::nearest(std::span<const double> place, std::span<Eigen::Index> found,
-                                std::span<double> squares, double slack) const {
-  std::array<std::size_t, kMost> points;
+std::size_t NearPoints::nearest_to_any(std::span<const double> places, std::span<Eigen::Index> found,
+                                       std::span<double> squares, double within) const {
   const std::size_t wanted =
       std::min({found.size(), squares.size(), kMost, static_cast<std::size_t>(size())});
   if (wanted == 0) return 0;
-  const std::size_t count = tree_->nearest(place.data(), wanted, points.data(), squares.data(), slack);
-  for (std::size_t k = 0; k < count; ++k) found[k] = static_cast<Eigen::Index>(points[k]);
-  return count;
+  const auto dimensions = static_cast<std::size_t>(tree_->points.rows());
+  struct Place {
+    const double* at;
+    double square;  // to all points, at least
+  };
+  std::array<Place, kMostPlaces> all;
+  const std::size_t count = std::min(kMostPlaces, places.size() / dimensions);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double* at = places.data() + k * dimensions;
+    all[k] = {at, count > 1 ? tree_->square_to_box(at) : 0.0};
+  }
+  std::ranges::sort(std::span(all).first(count), {}, &Place::square);
+  NearestOnce set(found.first(wanted), squares, within);
+  for (const Place& place : std::span(all).first(count)) {
+    if (place.square < set.worstDist()) tree_->add_nearest(place.at, set);
+  }
+  return set.size();
 }
 
 std::vector<Eigen::Index> NearPoints::within(std::span<const double> place, double square) const {

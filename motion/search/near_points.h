@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,11 +25,19 @@ class NearPoints {
 
   /// The nearest ones, the nearest first.
   /// @param found, squares as many as are wanted, kMost at most: numbers of points, squares of their distances
-  /// @param slack what is found may be farther than the nearest by this share of its distance, and takes less time
+  /// @param within only those at a squared distance below this
   /// @returns how many there are
   /// In 5 and 9 dimensions it does not allocate.
   std::size_t nearest(std::span<const double> place, std::span<Eigen::Index> found, std::span<double> squares,
-                      double slack = 0.0) const;
+                      double within = std::numeric_limits<double>::infinity()) const {
+    return nearest_to_any(place, found, squares, within);
+  }
+  /// The same for several places, such as the copies of one: the points that are nearest to any of them, each once.
+  /// @param places kMostPlaces at most, one after the other
+  std::size_t nearest_to_any(std::span<const double> places, std::span<Eigen::Index> found,
+                             std::span<double> squares,
+                             double within = std::numeric_limits<double>::infinity()) const;
+  static constexpr std::size_t kMostPlaces = 4;
 
   /// All at a squared distance below `square`, in any order.
   std::vector<Eigen::Index> within(std::span<const double> place, double square) const;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 
 #include <catch2/catch.hpp>
@@ -113,6 +114,47 @@ TEST_CASE(
       REQUIRE(count == 8);
       for (std::size_t k = 0; k < count; ++k) CHECK(found[k].distance == Approx(all[k].first).margin(1e-9));
     }
+  }
+}
+
+TEST_CASE("of an ellipsoid the nearest of four copies count, and none beyond the distance that is given") {
+  const MotionDatabase database = build_database(
+      run_sweep(parse_sweep_plan("model = \"immersed_body\"\n[fixed]\na = 0.035\nb = 0.02\nc = 1e-4\n"
+                                 "density = 1200\nC_D0 = 0.05\nC_w = 2\n[axes]\nC_T = { from = 0.31, to = "
+                                 "2.71 }\nC_R = { from = 0.31, to = 2.71 }\n[sample]\ncount = 40\n"
+                                 "[releases]\ntilt = [0.17]\naxis = [0.6]\n[run]\nuntil = 2\nstep = 1e-3\n"
+                                 "settle = 0.5\n",
+                                 "card.toml"))
+          .sweep);
+  const SegmentTree tree(database);
+  const MovingStates& moving = tree.moving_states();
+  REQUIRE(moving.copies() == 4);
+  const StateMetric metric = database.metric();
+  for (Eigen::Index n = 0; n < database.segment_count(); n += 13) {
+    const Eigen::VectorXd state = database.ends.row(n);
+    std::vector<double> all;
+    for (Eigen::Index other = 0; other < database.segment_count(); ++other) {
+      const Eigen::VectorXd start = database.starts.row(other);
+      double least = std::numeric_limits<double>::infinity();
+      for (int copy = 0; copy < 4; ++copy) {
+        Eigen::VectorXd here(9), there(9);
+        moving.reduce(row_span(state), {here.data(), 9});
+        moving.reduce(row_span(start), {there.data(), 9});
+        moving.turn_to_copy(copy, {there.data(), 9});
+        metric.place({here.data(), 9});
+        metric.place({there.data(), 9});
+        least = std::min(least, (here - there).norm());
+      }
+      all.push_back(least);
+    }
+    std::ranges::sort(all);
+    std::array<NearSegment, 6> found;
+    REQUIRE(tree.nearest(row_span(state), found) == 6);
+    for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k].distance == Approx(all[k]).margin(1e-9));
+    const double within = 0.5 * (all[2] + all[3]);
+    CHECK(tree.nearest(tree.places(row_span(state)), found, within) ==
+          static_cast<std::size_t>(
+              std::ranges::count_if(all, [&](double distance) { return distance < within; })));
   }
 }
 
