@@ -76,8 +76,8 @@ struct Bodies::Impl {
     const models::ModelInfo& info = model.model().info();
     pose = *models::pose_states_of(info);
     for (const std::string& name : pose.names)
-      pose_indices.push_back(std::ranges::find(info.states, name, &models::StateInfo::name) -
-                             info.states.begin());
+      pose_indices.push_back(static_cast<std::size_t>(
+          std::ranges::find(info.states, name, &models::StateInfo::name) - info.states.begin()));
     if (given.wind) gusts.emplace(model.model());
     if (options.step == 0.0) options.step = source.database().step;
     if (options.ramp < 0.0) options.ramp = source.ramp();
@@ -293,7 +293,7 @@ struct Bodies::Impl {
   std::size_t room = 0;  // of events
   BodyCounts counts;
   models::PoseStates pose;
-  std::vector<Eigen::Index> pose_indices;
+  std::vector<std::size_t> pose_indices;
 };
 
 Bodies::Bodies(const NextPieces& pieces, Eigen::Index count, const BodiesOptions& options) {
@@ -431,11 +431,14 @@ void Bodies::read_poses(std::span<double> positions, std::span<double> rotations
     throw ArgumentError(fmt::format("there is room for {} and {} numbers, expected {} and {}",
                                     positions.size(), rotations.size(), 3 * bodies, 4 * bodies));
   std::array<double, 7> numbers = {};
+  models::Stepper::Pack pack;
   for (std::size_t n = 0; n < bodies; ++n) {
+    const std::size_t slot = n % impl_->width;
+    if (slot == 0) pack = impl_->stepper.pack(static_cast<Eigen::Index>(n / impl_->width));
     models::BodyPose pose;
     if (impl_->bodies[n].status != BodyStatus::waiting) {
       for (std::size_t k = 0; k < impl_->pose_indices.size(); ++k)
-        numbers[k] = impl_->stepper.state(impl_->pose_indices[k], static_cast<Eigen::Index>(n));
+        numbers[k] = pack.states[impl_->pose_indices[k] * pack.stride + slot];
       pose = impl_->pose.pose(std::span(numbers).first(impl_->pose_indices.size()));
     }
     std::ranges::copy(pose.p_WB, positions.begin() + static_cast<std::ptrdiff_t>(3 * n));

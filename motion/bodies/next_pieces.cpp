@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -163,19 +164,31 @@ class NextPieces::Nearest {
   Nearest(const SegmentTree& tree, const Places& places) : tree_(tree), places_(places) {}
 
   const Places& places() const { return places_; }
+  /// One that is known to be sturdy, and near: others are looked for where they are nearer.
+  void try_first(const NearSegment& near) { nearest_ = near; }
   const NearSegment* of_all() {
-    if (!is_known_) count_ = tree_.nearest(places_, {&nearest_, 1});
+    if (!is_known_) {
+      NearSegment near;
+      if (tree_.nearest(places_, {&near, 1}, nearest_.distance) > 0) nearest_ = near;
+    }
     is_known_ = true;
-    return count_ > 0 ? &nearest_ : nullptr;
+    return std::isfinite(nearest_.distance) ? &nearest_ : nullptr;
   }
 
  private:
   const SegmentTree& tree_;
   const Places& places_;
-  NearSegment nearest_;
-  std::size_t count_ = 0;
+  NearSegment nearest_ = {.distance = std::numeric_limits<double>::infinity()};
   bool is_known_ = false;
 };
+
+NextPieces::Nearest NextPieces::nearest_of(const Places& places, std::span<const NearSegment> along) const {
+  Nearest nearest(*near_, places);
+  const auto sturdy =
+      std::ranges::find_if(along, [&](const NearSegment& one) { return is_sturdy(one.segment); });
+  if (sturdy != along.end()) nearest.try_first(*sturdy);
+  return nearest;
+}
 
 /// Pieces that are found, each segment once, until there are enough.
 class NextPieces::Found {
@@ -254,10 +267,11 @@ void NextPieces::add_near(Nearest& nearest, Stream& stream, Found& found) const 
 std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, Stream& stream,
                               std::span<NextPiece> room) const {
   const Places places = tree_.places(state);
-  Nearest nearest(*near_, places);
   std::array<NearSegment, kMostEdges> along;
+  const std::span<const NearSegment> edges = std::span(along).first(candidates(followed, places, along));
+  Nearest nearest = nearest_of(places, edges);
   Found found(database_, room);
-  add_any(nearest, std::span(along).first(candidates(followed, places, along)), stream, found);
+  add_any(nearest, edges, stream, found);
   return found.count();
 }
 
@@ -283,9 +297,9 @@ void NextPieces::add_of_kind(EventKind kind, Nearest& nearest, std::span<const N
 std::size_t NextPieces::after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
                               Stream& stream, std::span<NextPiece> room) const {
   const Places places = tree_.places(state);
-  Nearest nearest(*near_, places);
   std::array<NearSegment, kMostEdges> along;
   const std::span<const NearSegment> edges = std::span(along).first(candidates(followed, places, along));
+  Nearest nearest = nearest_of(places, edges);
   Found found(database_, room);
   std::array<char, kEventKinds> is_drawn = {};
   for (std::size_t n = 0; n < kEventKinds && found.has_room(); ++n) {

@@ -85,6 +85,7 @@ class NextPieces {
   using Places = SegmentTree::Places;
   /// Segments along sound edges, within reach(), the nearest first.
   std::size_t candidates(Eigen::Index followed, const Places& places, std::span<NearSegment> found) const;
+  Nearest nearest_of(const Places& places, std::span<const NearSegment> along) const;
   void add_of_kind(EventKind kind, Nearest& nearest, std::span<const NearSegment> along, Found& found) const;
   void add_near(Nearest& nearest, Stream& stream, Found& found) const;
   void add_any(Nearest& nearest, std::span<const NearSegment> along, Stream& stream, Found& found) const;
