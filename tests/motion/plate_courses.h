@@ -5,6 +5,7 @@
 #include <string>
 
 #include "samara/models/interface/following_model.h"
+#include "samara/models/interface/parametric_model.h"
 #include "samara/models/laws/registry.h"
 #include "samara/motion/courses/coefficient_course.h"
 
