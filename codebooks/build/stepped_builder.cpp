@@ -268,8 +268,9 @@ class SteppedBuild {
       record_.rounds = state_.round;
       random_ = state_.random;
       if (!state_.is_crossed) approximate();
-      if (state_.error <= kFreshMargin * plan_.relative && is_certified()) return;
-      tighten();
+      const bool is_claimed = state_.error <= kFreshMargin * plan_.relative;
+      if (is_claimed && is_certified()) return;
+      tighten(is_claimed);
     }
     throw SteppedEnd({Termination::stagnated, fmt::format("{} rounds did not meet the tolerance", kRounds)});
   }
@@ -299,16 +300,18 @@ class SteppedBuild {
     keep();
   }
 
-  /// For the next round. @throws SteppedEnd where ranks or nodes do not allow it
-  void tighten() {
+  /// For the next round. @param is_refuted by the certificate, at points that tell nodes from ranks no more than fresh
+  /// ones have  @throws SteppedEnd where ranks or nodes do not allow it
+  void tighten(bool is_refuted) {
     // The cross errs at nodes already, or only between them.
     const bool needs_nodes = state_.error > 2.0 * state_.guard_error;
     if (state_.round == 1) {
       state_.cross_share = kShareOfCross;
       state_.node_share = kShareOfNodes;
     } else {
-      if (needs_nodes) state_.node_share *= 0.2;
-      if (!needs_nodes || state_.guard_error > state_.cross_share * plan_.relative) state_.cross_share *= 0.5;
+      if (needs_nodes || is_refuted) state_.node_share *= 0.2;
+      if (!needs_nodes || is_refuted || state_.guard_error > state_.cross_share * plan_.relative)
+        state_.cross_share *= 0.5;
     }
     const bool are_nodes_used_up =
         state_.round > 1 && needs_nodes && lines_.within(state_.node_share * plan_.relative) == state_.nodes;
