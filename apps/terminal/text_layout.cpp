@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <iterator>
 #include <set>
 #include <span>
 #include <string_view>
@@ -92,64 +93,86 @@ std::string wrapped_line(const std::string& line, std::size_t width) {
   return line.substr(0, indent) + wrapped(line.substr(indent), indent + 4, width, indent);
 }
 
-/// Of a line as it is shown: the bytes from one column to another, where there are so many.
-std::string between(const std::string& line, std::size_t from, std::size_t to) {
-  std::string part;
-  std::size_t columns = 0;  // that have begun
-  for (const char byte : line) {
-    if (begins_character(byte)) ++columns;
-    if (columns > from && columns <= to) part += byte;
+/// What stands in a line between two blanks or more.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  for (std::size_t begin = 0; begin < line.size();) {
+    const std::size_t end = std::min(line.find("  ", begin), line.size());
+    cells.push_back(line.substr(begin, end - begin));
+    begin = std::min(line.find_first_not_of(' ', end), line.size());
   }
-  return part;
+  return cells;
 }
 
-/// Where cells end that stand one below the other: two blanks or more follow in every row.
-std::vector<std::size_t> ends_of_cells(std::span<const std::string> rows, std::size_t longest) {
-  std::string filled(longest, ' ');
-  for (const std::string& row : rows) {
-    std::size_t columns = 0;
-    for (const char byte : row) {
-      if (begins_character(byte)) ++columns;
-      if (byte != ' ') filled[columns - 1] = 'x';
+/// Rows of as many cells, one below the other.
+class TextTable {
+ public:
+  explicit TextTable(std::vector<std::vector<std::string>> rows) : rows_(std::move(rows)) {
+    widths_.resize(rows_.front().size(), 0);
+    for (const auto& row : rows_) {
+      for (std::size_t c = 0; c < row.size(); ++c) widths_[c] = std::max(widths_[c], columns_of(row[c]));
     }
   }
-  std::vector<std::size_t> ends;
-  for (std::size_t at = filled.find("x  "); at != std::string::npos; at = filled.find("x  ", at + 1))
-    ends.push_back(at + 1);
-  ends.push_back(longest);
-  return ends;
-}
 
-/// How many of the first columns tell rows apart.
-std::size_t telling_columns(std::span<const std::string> rows, const std::vector<std::size_t>& ends) {
-  for (std::size_t count = 1; count < ends.size(); ++count) {
-    std::set<std::string> heads;
-    for (const std::string& row : rows) heads.insert(between(row, 0, ends[count - 1]));
-    if (heads.size() == rows.size()) return count;
-  }
-  return 1;
-}
-
-/// A table that is too wide as several, one below the other, each with the first columns.
-std::vector<std::string> parted_table(std::span<const std::string> rows, std::size_t width) {
-  std::size_t longest = 0;
-  for (const std::string& row : rows) longest = std::max(longest, columns_of(row));
-  const std::vector<std::size_t> ends = ends_of_cells(rows, longest);
-  if (rows.size() < 2 || longest <= width) return {rows.begin(), rows.end()};
-  std::vector<std::string> lines;
-  const std::size_t count = telling_columns(rows, ends), head = ends[count - 1];
-  for (std::size_t first = count - 1; first + 1 < ends.size();) {
-    std::size_t last = first + 1;
-    while (last + 1 < ends.size() && head + ends[last + 1] - ends[first] <= width) ++last;
-    for (const std::string& row : rows) {
-      std::string line = between(row, 0, head);
-      line.append(head - columns_of(line), ' ');
-      line += between(row, ends[first], ends[last]);
-      lines.push_back(line.substr(0, line.find_last_not_of(' ') + 1));
+  /// As several tables of at most `width`, each with the first columns, as many as tell the rows apart if there is room
+  /// for them. Empty where not even the first one has room beside every other.
+  std::vector<std::string> parted(std::size_t width) const {
+    std::size_t heads = telling_columns();
+    const std::size_t widest = *std::ranges::max_element(widths_);
+    while (heads > 0 && columns_together(0, heads) + 2 + widest > width) --heads;
+    std::vector<std::string> lines;
+    for (std::size_t first = heads; heads > 0 && first < widths_.size();) {
+      std::size_t last = first + 1;
+      while (last < widths_.size() &&
+             columns_together(0, heads) + 2 + columns_together(first, last + 1) <= width)
+        ++last;
+      for (const auto& row : rows_) lines.push_back(line_of(row, heads, first, last));
+      first = last;
     }
-    first = last;
+    return lines;
   }
-  return lines.empty() ? std::vector<std::string>(rows.begin(), rows.end()) : lines;
+
+ private:
+  std::size_t columns_together(std::size_t first, std::size_t last) const {
+    std::size_t sum = 2 * (last - first - 1);
+    for (std::size_t c = first; c < last; ++c) sum += widths_[c];
+    return sum;
+  }
+
+  std::size_t telling_columns() const {
+    for (std::size_t count = 1; count < widths_.size(); ++count) {
+      std::set<std::vector<std::string>> heads;
+      for (const auto& row : rows_)
+        heads.emplace(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
+      if (heads.size() == rows_.size()) return count;
+    }
+    return 1;
+  }
+
+  /// The first columns begin below each other, the others end so, as numbers do.
+  std::string line_of(const std::vector<std::string>& row, std::size_t heads, std::size_t first,
+                      std::size_t last) const {
+    std::string line;
+    const auto blanks = [&](std::size_t c) { return std::string(widths_[c] - columns_of(row[c]), ' '); };
+    for (std::size_t c = 0; c < heads; ++c) line += (c > 0 ? "  " : "") + row[c] + blanks(c);
+    for (std::size_t c = first; c < last; ++c) line += "  " + blanks(c) + row[c];
+    return line;
+  }
+
+  std::vector<std::vector<std::string>> rows_;
+  std::vector<std::size_t> widths_;
+};
+
+/// Rows from the first on that are one table: as many cells in each.
+std::vector<std::vector<std::string>> table_from(std::span<const std::string> lines) {
+  std::vector<std::vector<std::string>> rows;
+  for (const std::string& line : lines) {
+    if (!is_row(line)) break;
+    std::vector<std::string> cells = cells_of(line);
+    if (!rows.empty() && cells.size() != rows.front().size()) break;
+    rows.push_back(std::move(cells));
+  }
+  return rows;
 }
 
 }  // namespace
@@ -164,15 +187,19 @@ std::string wrapped_prose(const std::string& text, std::size_t width) {
   const std::vector<std::string> lines = lines_of(text);
   std::vector<std::string> result;
   for (std::size_t k = 0; k < lines.size();) {
-    std::size_t end = k;
-    while (end < lines.size() && is_row(lines[end])) ++end;
-    if (end == k) {
+    std::vector<std::vector<std::string>> rows = table_from(std::span(lines).subspan(k));
+    if (rows.empty()) {
       result.push_back(wrapped_line(lines[k++], width));
       continue;
     }
-    for (std::string& line : parted_table(std::span(lines).subspan(k, end - k), width))
-      result.push_back(std::move(line));
-    k = end;
+    const std::span<const std::string> whole = std::span(lines).subspan(k, rows.size());
+    k += rows.size();
+    std::vector<std::string> parts;
+    if (rows.size() > 1 &&
+        std::ranges::any_of(whole, [&](const auto& line) { return columns_of(line) > width; }))
+      parts = TextTable(std::move(rows)).parted(width);
+    if (parts.empty()) parts.assign(whole.begin(), whole.end());
+    std::ranges::move(parts, std::back_inserter(result));
   }
   return fmt::format("{}{}", fmt::join(result, "\n"), text.ends_with('\n') ? "\n" : "");
 }

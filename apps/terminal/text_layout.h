@@ -20,8 +20,9 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
 /// Every line of `text` that is longer than `width` goes on below, further in than it begins. Others stay as they are.
 std::string wrapped_lines(const std::string& text, std::size_t width = screen_width());
 
-/// The same of sentences. Rows of a table, which have two blanks side by side, stay whole where they fit: one that is too
-/// wide is parted between columns, each part with the first ones, as many as tell the rows apart.
+/// The same of sentences. Rows of a table, which have two blanks side by side, stay whole where they fit. A table of rows
+/// with as many cells each that is too wide is parted between columns: each part has the first ones, as many as tell the
+/// rows apart.
 std::string wrapped_prose(const std::string& text, std::size_t width = screen_width());
 
 }  // namespace samara::apps

@@ -23,7 +23,8 @@
 /// over a step at their value in its middle: a step has order 2 while they move, 4 while they rest. Derived
 /// defaults follow what they depend on.
 ///
-/// Nothing is allocated but when a lane is loaded for the first time. One object per thread; lanes do not touch each other.
+/// Nothing is allocated but when a lane is loaded for the first time. One object per thread. Lanes do not touch each
+/// other, but for last digits of sines in the laws of plates (batch/lane_sine.h).
 namespace samara::models {
 
 class Stepper {

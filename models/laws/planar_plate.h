@@ -98,7 +98,8 @@ void to_wrenches(const std::array<PlanarForce<S>, n>& terms, const PlanarMotion<
   }
 }
 
-/// Sine and cosine of theta: weight and path need both, and they cost about as much as all else.
+/// Sine and cosine of theta: weight and path need both, and they cost about as much as all else. Of a pack they are the
+/// library's, whose last digits depend on the angles in other lanes (batch/lane_sine.h).
 template <class S>
 struct Heading {
   S sine, cosine;

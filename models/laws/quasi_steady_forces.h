@@ -26,6 +26,7 @@
 namespace samara::models::laws {
 
 /// Whether a number is zero in all lanes, with all its tangents: what it would be multiplied by need not be computed.
+/// Beside lanes in which it is not zero it is: then zeros of forces may have another sign than alone.
 inline bool vanishes(double x) {
   return x == 0.0;
 }

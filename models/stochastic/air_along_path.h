@@ -133,7 +133,8 @@ class AirSource {
   /// @param mirrored all that is random with the other sign: the antithetic partner of the same number
   virtual std::unique_ptr<AirAlongPath> realisation(std::uint64_t number, bool mirrored) const = 0;
 
-  /// The same of several, one in each of the first of so many lanes, each with the bits that it has alone.
+  /// The same of several side by side, the first draw in the first lane, each with the bits that it has alone.
+  /// @param lanes at least as many as draws
   virtual std::unique_ptr<AirAlongPaths> side_by_side(std::span<const Draw> draws, Eigen::Index lanes) const;
 };
 

@@ -114,7 +114,9 @@ inline void StepCounts::add(double h, double time_scale) {
   static_assert(kPerOctave == 4);
   constexpr std::int64_t kOfOne = 1023 * kPerOctave;
   const std::int64_t quarter = (std::bit_cast<std::int64_t>(time_scale) >> 50) - kOfOne;
-  ++by_scale_[static_cast<std::size_t>(std::clamp<std::int64_t>(quarter - kLeast, 0, kBins - 1))];
+  const bool is_number = time_scale >= 0.0;  // what is none counts as the longest
+  ++by_scale_[static_cast<std::size_t>(is_number ? std::clamp<std::int64_t>(quarter - kLeast, 0, kBins - 1)
+                                                 : kBins - 1)];
 }
 
 /// All that is summed over realisations.

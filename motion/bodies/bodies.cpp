@@ -243,6 +243,8 @@ struct Bodies::Impl {
     const std::size_t count = options.choice == BodiesOptions::Choice::chain
                                   ? pieces.after(one.followed, finders.state(n), past, one.stream, wanted)
                                   : pieces.after(one.followed, finders.state(n), one.stream, wanted);
+    // Nothing is near a state whose squares are infinite.
+    if (count == 0) return rest(n, BodyStatus::not_finite);
     const NextPiece piece = best_of(n, slot, seen, wanted.first(count));
     note({n, event.t, event.kind, one.planned, piece}, found);
     one.planned = piece.kind;

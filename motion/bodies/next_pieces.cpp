@@ -283,9 +283,9 @@ void NextPieces::add_of_kind(EventKind kind, Nearest& nearest, std::span<const N
   const auto& tree = kinds_[static_cast<std::size_t>(kind)];
   if (!tree || found.is_full()) return;
   // The nearest of all is mostly of the kind, or there is none within reach.
-  const NearSegment& first = *nearest.of_all();
-  if (first.distance >= reach_) return;
-  if (found.kind_of(first) == kind) found.add(first);
+  const NearSegment* const first = nearest.of_all();
+  if (first == nullptr || first->distance >= reach_) return;
+  if (found.kind_of(*first) == kind) found.add(*first);
   if (found.is_full()) return;
   // Those that are found already may be among the nearest.
   std::array<NearSegment, kNear> near;

@@ -13,6 +13,8 @@
 
 namespace samara::motion {
 
+using namespace event_rows;
+
 namespace {
 
 EventScreen screen_of(const MovingStates& states, const EventOptions& options) {
@@ -35,6 +37,12 @@ EventScreen screen_of(const MovingStates& states, const EventOptions& options) {
   screen.shortest = options.shortest;
   screen.steady = options.steady > 0.0 ? options.steady : kNone;
   return screen;
+}
+
+std::size_t width_of(std::size_t width, Eigen::Index lanes) {
+  require(width > 0 && width <= 64, "width of packs of motions", width, "1 to 64");
+  require(lanes > 0, "count of motions", lanes, "1 or more");
+  return width;
 }
 
 /// The polynomial through three or four numbers at times, the first the lowest, the two next beside it.
@@ -85,7 +93,7 @@ EventLanes::EventLanes(const MovingStates& states, const EventOptions& options, 
     : states_(states),
       options_(options),
       screen_(screen_of(states, options)),
-      width_(width),
+      width_(width_of(width, lanes)),
       rows_of_mark_(kMarkRows + states.state_count()),
       rows_of_pack_(kMarks * rows_of_mark_ + kLaneRows),
       packs_((static_cast<std::size_t>(lanes) + width - 1) / width),

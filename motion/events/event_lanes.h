@@ -24,7 +24,7 @@ namespace samara::motion {
 class EventLanes {
  public:
   /// @param width of packs, at most 64: lane n is number n % width of pack n / width
-  /// @throws ArgumentError for options outside their meaning.
+  /// @throws ArgumentError for options outside their meaning, no lanes, and a width of none or more than 64.
   EventLanes(const MovingStates& states, const EventOptions& options, Eigen::Index lanes, std::size_t width);
 
   std::size_t width() const { return width_; }

@@ -6,6 +6,8 @@
 
 namespace samara::motion {
 
+using namespace event_rows;
+
 namespace {
 
 namespace simd = std::experimental;
@@ -63,11 +65,12 @@ struct Screen {
     // Normals of states are of length one: an arc is twice that whose tangent is sine/(1 + cosine).
     const V half = 1.0 / (1.0 + cosine);
     V factor = 2.0 * half * arc_tangent_ratio((1.0 - cosine) * half);
-    auto others = !(cosine >= 0.0);
-    if (screen.attitude_is == EventScreen::Attitude::normal) others = !others || others;
-    if (simd::none_of(others)) return factor;
+    // Measured normals are of any length.
+    const bool is_measured = screen.attitude_is == EventScreen::Attitude::normal;
+    const auto is_far = !(cosine >= 0.0);
+    if (!is_measured && simd::none_of(is_far)) return factor;
     for (std::size_t k = 0; k < V::size(); ++k) {
-      if (others[k]) factor[k] = arc_factor(sine_square[k], cosine[k]);
+      if (is_measured || is_far[k]) factor[k] = arc_factor(sine_square[k], cosine[k]);
     }
     return factor;
   }

@@ -9,6 +9,8 @@
 /// machine. A row holds a number of all lanes of a pack.
 namespace samara::motion {
 
+namespace event_rows {
+
 /// What is kept of a state; its numbers as they are stand behind.
 enum MarkRow : std::size_t {
   kTime,
@@ -31,6 +33,8 @@ enum LaneRow : std::size_t {
 
 /// In the place of a |v|^2 that there is not.
 inline constexpr double kNone = std::numeric_limits<double>::infinity();
+
+}  // namespace event_rows
 
 /// Rows of lanes: number `row` of lane k at first[row * stride + k].
 template <class Number>

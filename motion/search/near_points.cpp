@@ -7,6 +7,7 @@
 #include <nanoflann.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 
 namespace samara::motion {
 
@@ -165,7 +166,8 @@ std::size_t NearPoints::nearest_to_any(std::span<const double> places, std::span
     double square;  // to all points, at least
   };
   std::array<Place, kMostPlaces> all;
-  const std::size_t count = std::min(kMostPlaces, places.size() / dimensions);
+  const std::size_t count = places.size() / dimensions;
+  require(count <= kMostPlaces, "count of places to search about", count, "4 or fewer");
   for (std::size_t k = 0; k < count; ++k) {
     const double* at = places.data() + k * dimensions;
     all[k] = {at, count > 1 ? tree_->square_to_box(at) : 0.0};

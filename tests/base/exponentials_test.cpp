@@ -36,14 +36,12 @@ TEST_CASE("exponentials are within 1.1 units in the last place, those of the lib
     std::vector<double> x(100000);
     for (double& one : x) one = range * (2.0 * random.uniform() - 1.0);
     const std::vector<double> found = exponentials_of(x);
-    double worst = 0.0, of_library = 0.0;
+    double worst = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       worst = std::max(worst, distance(found[i], x[i]));
-      of_library = std::max(of_library, distance(std::exp(x[i]), x[i]));
     }
     INFO("up to " << range);
     CHECK(worst < 1.1);
-    CHECK(of_library < 1.0);
   }
 }
 

@@ -190,6 +190,29 @@ TEST_CASE("gusts with gradients and rotation have the same bits one by one as si
   }
 }
 
+TEST_CASE(
+    "energy that is the same everywhere moves bodies as the same energy that is asked for at each place") {
+  const Eigen::Vector3d stream(0.8, 0.1, 0.0);
+  const std::vector<double> times = {0.0, 0.0131, 0.05, 0.1177, 0.2};  // steps of several lengths
+  for (const bool decays : {false, true}) {
+    const auto uniform =
+        decays ? decaying_turbulence(0.3, 0.9, stream) : uniform_turbulence(0.3, 0.9, stream);
+    const auto by_place = samara::models::turbulent_flow(
+        [&](double, const Eigen::Vector3d&) { return samara::models::AmbientSample{.velocity = stream}; },
+        [&](double t, const Eigen::Vector3d& place) { return uniform->turbulence(t, place); }, 1.0);
+    REQUIRE(uniform->is_uniform());
+    REQUIRE_FALSE(by_place->is_uniform());
+    for (const bool rotates : {false, true}) {
+      const samara::models::SeenOptions seen = {.C_0 = 6.0, .radius = 0.026, .rotation = rotates};
+      const RealiseOptions options = {.realisations = 21, .keep = 21};
+      const Ensemble first = realise(leaf(), {}, *fluid_seen_in(uniform, 7, seen), times, options);
+      const Ensemble second = realise(leaf(), {}, *fluid_seen_in(by_place, 7, seen), times, options);
+      CHECK(first.standard_deviation(2, 0) > 1e-4);
+      for (std::size_t n = 0; n < 21; ++n) CHECK(first.kept[n].isApprox(second.kept[n], 1e-10));
+    }
+  }
+}
+
 TEST_CASE("an ensemble that was plain numbers in between goes on to the same bits") {
   const auto air = breeze();
   const RealiseOptions options = {.realisations = 600, .ground = 0.99, .keep = 300};
