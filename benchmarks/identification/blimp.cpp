@@ -30,10 +30,11 @@ using samara::models::TrajectoryFamily;
 constexpr Eigen::Index kRate = 60;  // Hz
 /// s: one step of RK4 per frame; nothing here changes within a tenth of a second.
 constexpr double kStep = 1.01 / static_cast<double>(kRate);
-constexpr Eigen::Index kWindow = kRate;       ///< frame intervals of a window to fit
-constexpr Eigen::Index kSeen = 6;             ///< frame intervals that predictors see
-constexpr Eigen::Index kBetweenMoments = 30;  ///< frames from one prediction to the next
-constexpr double kUncut = 1e3;                ///< s: longer than every window
+constexpr Eigen::Index kWindow = kRate;        ///< frame intervals of a window to fit
+constexpr Eigen::Index kSeen = 6;              ///< frame intervals that predictors see
+constexpr Eigen::Index kBetweenMoments = 30;   ///< frames from one prediction to the next
+constexpr Eigen::Index kBetweenForecasts = 6;  ///< the same of forecasts that are distributions
+constexpr double kUncut = 1e3;                 ///< s: longer than every window
 
 /// Captured quantities that a flight keeps: the gondola by the model's names.
 const std::map<std::string, std::string> kKnown = {{"gondola_x", "offset_x"},
@@ -286,7 +287,7 @@ std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights, 
     const Capture& capture = flights[k].capture;
     const std::map<std::string, double> known = blimp_body(flights[k]);
     const double net_mass = known.at("mass") + known.at("offset_mass") - known.at("displaced_mass");
-    for (Eigen::Index now = kSeen; now + frames_ahead < capture.frame_count(); now += kBetweenMoments) {
+    for (Eigen::Index now = kSeen; now + frames_ahead < capture.frame_count(); now += kBetweenForecasts) {
       const Capture seen = window_of(capture, now - kSeen, kSeen);
       BlimpMoment moment{.flight = k, .origin = now};
       moment.seen = {.times = seen.times,

@@ -62,7 +62,7 @@ struct BlimpMoment {
   double time = 0.0;                             ///< s, in the times of what was seen
   Eigen::RowVector3d next = {};                  ///< m
 };
-/// Half a second apart, the flights in turn. @param ahead s, after the last frame seen
+/// A tenth of a second apart, the flights in turn. @param ahead s, after the last frame seen
 std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights, double ahead);
 
 /// Errors at a time after the last frame that predictors saw, from many moments of all flights.

@@ -2,6 +2,7 @@
 /// four left out, a spiral among them (of the two that there are, one is fitted).
 ///
 /// The body rests on all of the past: it is followed from the first frame on. Baselines see the last tenth of a second.
+/// A moment is asked about every tenth of a second.
 /// Errors, shares and the noise of the model come from the flights of the fit: they are dealt into parts, each of which
 /// a fit of the others predicts. There is one spiral among them, and a fit without it knows nothing of sideslip: it is
 /// dealt by quarters.
