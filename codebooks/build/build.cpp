@@ -146,20 +146,15 @@ struct Build {
   }
 
   Outcome<Solution> solve_by_steps(const models::ParametricModel& parametric) {
-    KeptState kept;
+    KeptState kept = {.file = options.checkpoint};
     Checkpoint checkpoint(options.checkpoint, plan.whole_text());
     if (options.resume && is_checkpoint(options.checkpoint)) kept.state = checkpoint.steps();
     if (!options.checkpoint.empty()) {
       kept.save = told_once<std::vector<double>>(
           [&](const std::vector<double>& state) { checkpoint.save_steps(state); }, options.warning);
     }
-    try {
-      return codebooks::solve_by_steps(plan, parametric, at_most(plan, kMostSteppedTrajectories), progress,
-                                       certify_claim(), kept);
-    } catch (const ArgumentError& error) {
-      if (kept.state.empty()) throw;
-      throw bad_checkpoint(options.checkpoint, error.what());
-    }
+    return codebooks::solve_by_steps(plan, parametric, at_most(plan, kMostSteppedTrajectories), progress,
+                                     certify_claim(), kept);
   }
 
   /// The codebook with its certificate, a fresh one unless the solution brings its own.

@@ -1,6 +1,7 @@
 #include "samara/codebooks/build/stepped_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,11 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/errors.h"
 #include "samara/codebooks/build/line_nodes.h"
 #include "samara/codebooks/build/stepped_skeleton.h"
 #include "samara/codebooks/build/stepped_state.h"
 #include "samara/codebooks/build/stepped_trajectories.h"
 #include "samara/codebooks/build/time_mesh.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/codebooks/source/sampled_source.h"
 #include "samara/pgd/cross/cross_interpolation.h"
 #include "samara/pgd/cross/nodal_approximation.h"
@@ -159,13 +162,23 @@ class SteppedBuild {
     state_.node_share = 2.0 * kCoarse * kShareOfNodes;
     state_.random = random_;
     state_.calls = trajectories_.calls();
-    if (kept_.state.empty()) return;
-    pgd::NumberReader reader(kept_.state);
-    state_.transfer(reader);
-    for (const std::vector<int>& nodes : {state_.nodes, state_.nodes_of_best}) {
-      if (!nodes.empty() && nodes.size() != plan_.box.size())
-        throw ArgumentError("the stored state of a build by steps is of other coordinates");
+    state_.times = times_;
+    if (!kept_.state.empty()) go_on_from_kept();
+  }
+
+  void go_on_from_kept() {
+    try {
+      pgd::NumberReader reader(kept_.state);
+      state_.transfer(reader);
+      if (!reader.rest().empty()) throw ArgumentError("the stored state of a build by steps is too long");
+    } catch (const ArgumentError& error) {
+      throw bad_checkpoint(kept_.file, error.what());
     }
+    const auto rows = static_cast<std::size_t>(states()) * times_.size();
+    if (state_.times != times_ ||
+        !state_.fits(plan_.box.size(), rows, lines_.within(state_.node_share * plan_.relative)))
+      throw bad_checkpoint(kept_.file,
+                           "the stored state of a build by steps is of another grid or other times");
     trajectories_.go_on_from(state_.calls);
   }
 
@@ -269,7 +282,8 @@ class SteppedBuild {
       random_ = state_.random;
       if (!state_.is_crossed) approximate();
       const bool is_claimed = state_.error <= kFreshMargin * plan_.relative;
-      if (is_claimed && is_certified()) return;
+      // A front was seen at points of lines: the field is wrong there, whatever others say.
+      if (is_claimed && !lines_.front() && is_certified()) return;
       tighten(is_claimed);
     }
     throw SteppedEnd({Termination::stagnated, fmt::format("{} rounds did not meet the tolerance", kRounds)});
@@ -318,8 +332,10 @@ class SteppedBuild {
     if (const std::optional<Front>& front = lines_.front()) {
       throw SteppedEnd(
           {Termination::exhausted,
-           fmt::format("{}; the nodes allowed do not suffice",
-                       described(*front, source_.coordinates, source_.outputs, times_, source_.time_unit))});
+           fmt::format("{}; {}",
+                       described(*front, source_.coordinates, source_.outputs, times_, source_.time_unit),
+                       front->allowed == LineNodes::kMostLine ? "steps take no more"
+                                                              : "the nodes allowed do not suffice")});
     }
     if (state_.are_ranks_used_up || are_nodes_used_up) {
       throw SteppedEnd({Termination::exhausted, fmt::format("the {} allowed do not suffice",

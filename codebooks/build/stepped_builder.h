@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace samara::codebooks {
 
 /// Where a solver's state lies between two builds.
 struct KeptState {
-  std::vector<double> state = {};  ///< to go on from; empty: from the beginning
+  std::vector<double> state = {};   ///< to go on from; empty: from the beginning
+  std::filesystem::path file = {};  ///< to name where the state is refused
   std::function<void(const std::vector<double>&)> save = {};
 };
 
@@ -34,10 +36,10 @@ struct KeptState {
 ///     sampling. Where one of them is not satisfied, tolerances of the cross and of the nodes are lowered.
 ///
 /// @param max_calls trajectories, those of pilots, lines and checks included
-/// @param kept what an interrupted build has left, and where this one leaves its own between sweeps and rounds. Pilots
-/// and lines are walked again; the result is the same to the last bit
+/// @param kept what an interrupted build has left, and where this one leaves its own between sweeps and rounds, until a
+/// certificate refutes a field. Pilots and lines are walked again; the result is the same to the last bit
 /// @returns why there is no field: where no step is short enough, or the calls end before there is one
-/// @throws ArgumentError if what was kept is no state of such a build
+/// @throws InputError if what was kept is no state of such a build, on this grid and at these times
 Outcome<Solution> solve_by_steps(const Plan& plan, const models::ParametricModel& model, long max_calls,
                                  const ProgressCallback& progress, const CertifyClaim& certify_claim,
                                  const KeptState& kept = {});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -31,11 +32,12 @@ double ahead_of(const CapturePrediction& one, Eigen::Index frame) {
   return one.times[frame] - one.seen.times[one.seen.times.size() - 1];
 }
 
-/// s, the shortest between frames of a capture.
+/// s, the shortest between frames of a capture that the model predicts: spans that only teach are many and short.
 double shortest_interval(std::span<const CapturePrediction> predictions) {
   double shortest = std::numeric_limits<double>::infinity();
-  for (const CapturePrediction& one : predictions)
-    shortest = std::min(shortest, median_interval(one.seen.times));
+  for (const CapturePrediction& one : predictions) {
+    if (one.model.size() > 0) shortest = std::min(shortest, median_interval(one.seen.times));
+  }
   return shortest;
 }
 
@@ -80,18 +82,19 @@ MotionForecasts::MotionForecasts(std::span<const Quantity> compared,
   const std::map<long, std::vector<FrameAhead>> frames = frames_by_horizon(predictions);
   for (std::size_t q = 0; q < compared_.size(); ++q) {
     if (compared_[q].is_attitude || compared_[q].period != 0.0 || frames.empty()) continue;
-    std::vector<std::vector<AskedMoment>> moments;
-    for (const auto& [horizon, of_horizon] : frames) {
-      std::vector<AskedMoment>& here = moments.emplace_back();
+    trained_[q].resize(frames.size());
+    parallel_for(frames.size(), [&](std::size_t h) {
+      // Moments hold copies of what was seen: those of one horizon at a time.
+      const std::vector<FrameAhead>& of_horizon =
+          std::next(frames.begin(), static_cast<std::ptrdiff_t>(h))->second;
+      std::vector<AskedMoment> moments;
       double sum = 0.0;
       for (const auto& [k, frame] : of_horizon) {
-        here.push_back(asked(predictions[k], compared_[q], frame, predictions[k].cluster));
+        moments.push_back(asked(predictions[k], compared_[q], frame, predictions[k].cluster));
         sum += ahead_of(predictions[k], frame);
       }
-      trained_[q].push_back({.ahead = sum / static_cast<double>(of_horizon.size())});
-    }
-    parallel_for(trained_[q].size(), [&](std::size_t h) {
-      trained_[q][h].trained = TrainedForecasts::train(moments[h], compared_[q].components);
+      trained_[q][h] = {.ahead = sum / static_cast<double>(of_horizon.size()),
+                        .trained = TrainedForecasts::train(moments, compared_[q].components)};
     });
   }
 }

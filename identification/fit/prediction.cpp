@@ -254,7 +254,7 @@ void add_capture_predictions(const models::TrajectoryFamily& family, std::span<c
 /// where that were very many.
 std::vector<Capture> cut_along(std::span<const Capture> captures, const PredictedOutputs& predicted,
                                const PredictionOptions& prediction) {
-  constexpr double kDenser = 4.0, kMost = 300.0;
+  constexpr double kDenser = 4.0, kMost = 120.0;
   double all = 0.0;  // s
   for (const Capture& capture : captures) {
     if (capture.times.size() > 0) all += capture.times[capture.times.size() - 1] - capture.times[0];
@@ -284,11 +284,12 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
   PredictedCaptures outcome{.compared = quantities(family, predicted, held)};
   add_capture_predictions(family, std::span(parts).first(count), clusters, predicted, held, prediction,
                           outcome);
-  for (std::size_t k = count; k < parts.size(); ++k) {
-    CapturePrediction one = predict_capture(family, parts[k], predicted, held, prediction, false);
-    one.cluster = clusters[k];
-    if (one.lack.empty()) outcome.along.push_back(std::move(one));
-  }
+  outcome.along.resize(parts.size() - count);
+  parallel_for(outcome.along.size(), [&](std::size_t k) {
+    outcome.along[k] = predict_capture(family, parts[count + k], predicted, held, prediction, false);
+    outcome.along[k].cluster = clusters[count + k];
+  });
+  std::erase_if(outcome.along, [](const CapturePrediction& one) { return !one.lack.empty(); });
   return outcome;
 }
 

@@ -53,7 +53,8 @@ class Autoregression {
   /// Of a motion with the same components. NaN where too few frames were seen.
   Eigen::RowVectorXd predict(const SeenMotion& seen, const Eigen::VectorXd& known) const;
 
-  /// The same by weights found without a cluster of the training, and those that were left out with it.
+  /// The same by weights found without a cluster of the training, and those that were left out with it; only penalty,
+  /// lengths and what the correction has left to learn were found with it.
   Eigen::RowVectorXd predict_without(int cluster, const SeenMotion& seen, const Eigen::VectorXd& known) const;
 
  private:

@@ -157,10 +157,14 @@ void fit_two_normals(const std::vector<double>& errors, Eigen::Vector2d& weights
   }
 }
 
-/// How much wider the 90 % band of Student's distribution is than a normal one: z = 1.645 in the expansion of Fisher and
-/// Cornish (Technometrics 2 (1960) 209-225), to the second power of 1/freedom.
+/// How much wider the 90 % band of Student's distribution is than a normal one: exact for one and two degrees of freedom,
+/// else z = 1.645 in the expansion of Fisher and Cornish (Technometrics 2 (1960) 209-225), to the second power of
+/// 1/freedom.
 double student_widening(double freedom) {
-  const double part = 1.0 / std::max(freedom, 1.0);
+  constexpr double kNormal = 1.6449, kOfOne = 6.3138, kOfTwo = 2.9200;  // quantiles at 95 %
+  if (freedom < 1.5) return kOfOne / kNormal;
+  if (freedom < 2.5) return kOfTwo / kNormal;
+  const double part = 1.0 / freedom;
   return 1.0 + 0.926 * part + 0.864 * part * part;
 }
 

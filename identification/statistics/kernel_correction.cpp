@@ -55,8 +55,9 @@ std::vector<std::size_t> chosen_moments(std::span<const Mirrored> features,
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     if (parts[a] != parts[b]) return parts[a] < parts[b];
-    const Eigen::VectorXd &one = features[a].even, &other = features[b].even;
-    return std::ranges::lexicographical_compare(one, other);
+    if (features[a].even != features[b].even)
+      return std::ranges::lexicographical_compare(features[a].even, features[b].even);
+    return std::ranges::lexicographical_compare(features[a].odd, features[b].odd);
   });
   if (std::ssize(order) <= most) return order;
   std::vector<std::size_t> chosen;

@@ -16,8 +16,8 @@
 /// Predictors are the model, the plain baselines (baseline_scores.h), the "mixture of baselines" (shares of
 /// convex_shares()), the "autoregression" of training motions, and the "mixture" of model, autoregression and
 /// baselines, with shares that vary with speed, acceleration and disagreement of predictors where that helps
-/// (local_shares.h). All shares and weights come from training moments. The mixture's errors grow with the disagreement of predictors, those of
-/// the others do not.
+/// (local_shares.h). All shares and weights come from training moments. The mixture's errors grow with the disagreement
+/// of predictors, those of the others do not.
 ///
 /// What training moments taught of a baseline holds for moments in which it is about as sure: where the noise of frames
 /// grows more than twice as much on the way (noise_gain()) as in any training moment, since fewer frames were seen or

@@ -244,7 +244,7 @@ struct Bodies::Impl {
                                   ? pieces.after(one.followed, finders.state(n), past, one.stream, wanted)
                                   : pieces.after(one.followed, finders.state(n), one.stream, wanted);
     // Nothing is near a state whose squares are infinite.
-    if (count == 0) return rest(n, BodyStatus::not_finite);
+    if (count == 0) return rest(n, BodyStatus::not_finite, finders.state(n));
     const NextPiece piece = best_of(n, slot, seen, wanted.first(count));
     note({n, event.t, event.kind, one.planned, piece}, found);
     one.planned = piece.kind;

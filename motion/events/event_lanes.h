@@ -83,7 +83,7 @@ class EventLanes {
   LaneRows<double> mark_rows(std::size_t pack, std::size_t back);
   LaneRows<double> lane_rows(std::size_t pack);
   double number(Eigen::Index lane, std::size_t back, std::size_t row) const;
-  double& of_lane(Eigen::Index lane, LaneRow row);
+  double& of_lane(Eigen::Index lane, event_rows::LaneRow row);
 
   Mark mark_at_last(Eigen::Index lane, std::span<const double> state) const;
   bool look(Eigen::Index lane, double t);

@@ -1,10 +1,7 @@
 #include "samara/pgd/cross/cross_interpolation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <map>
 #include <numeric>

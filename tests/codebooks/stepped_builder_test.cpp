@@ -214,6 +214,31 @@ TEST_CASE("a state of steps that is of another kind of build is refused") {
              Contains("--fresh begins anew"));
 }
 
+TEST_CASE("a state of steps with a number too many, other times or another grid is refused") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory / "checkpoint";
+  const Plan plan = parse_plan(stepped_plate(kSteps), "plan.toml");
+  struct Killed {};
+  const auto until_kept = [&](const samara::Progress&) {
+    if (std::filesystem::exists(path)) throw Killed();
+    return true;
+  };
+  CHECK_THROWS_AS(build(plan, {.checkpoint = path, .progress = until_kept}), Killed);
+  const std::vector<double> state = Checkpoint(path, plan.whole_text()).steps();
+  REQUIRE(state.size() > 100);
+  const auto refused = [&](const std::vector<double>& numbers) {
+    std::filesystem::remove(path);
+    Checkpoint(path, plan.whole_text()).save_steps(numbers);
+    return error_text<samara::InputError>([&] { build(plan, {.checkpoint = path, .resume = true}); });
+  };
+  std::vector<double> longer = state;
+  longer.push_back(0.0);
+  CHECK_THAT(refused(longer), Contains("too long") && Contains("--fresh begins anew"));
+  std::vector<double> other_times = state;  // how many, then the first
+  other_times[1] += 1e-9;
+  CHECK_THAT(refused(other_times), Contains("other times") && Contains("--fresh begins anew"));
+}
+
 TEST_CASE("the nodes of lines follow the width of a front, which is named where they are too many") {
   // tanh((x - y/10)/w) has poles at a distance of pi w / 2 from [-1, 1]: with n nodes errors fall like
   // exp(-n pi w / 2), and its steepest slope is a half of its range by w.
