@@ -118,8 +118,10 @@ class TextTable {
   /// for them. Empty where not even the first one has room beside every other.
   std::vector<std::string> parted(std::size_t width) const {
     std::size_t heads = telling_columns();
-    const std::size_t widest = *std::ranges::max_element(widths_);
-    while (heads > 0 && columns_together(0, heads) + 2 + widest > width) --heads;
+    const auto widest_beside = [&] {
+      return *std::max_element(widths_.begin() + static_cast<std::ptrdiff_t>(heads), widths_.end());
+    };
+    while (heads > 0 && columns_together(0, heads) + 2 + widest_beside() > width) --heads;
     std::vector<std::string> lines;
     for (std::size_t first = heads; heads > 0 && first < widths_.size();) {
       std::size_t last = first + 1;

@@ -215,15 +215,17 @@ std::string better_baseline(std::span<const PredictionScore> group) {
 void add_capture_predictions(const FitResult& result, std::back_insert_iterator<std::string> out) {
   const auto groups = groups_of(result.capture_predictions);
   if (groups.empty()) return;
-  fmt::format_to(out, "\n{:<20} {:<42}", "median of capture", "prediction of");
-  for (const PredictionScore& p : groups.front()) fmt::format_to(out, " {:>21}", p.predictor);
+  std::size_t longest = 20;
+  for (const auto& group : groups) longest = std::max(longest, group.front().capture.size());
+  fmt::format_to(out, "\n{:<{}}  {:<42}", "median of capture", longest, "prediction of");
+  for (const PredictionScore& p : groups.front()) fmt::format_to(out, "  {:>21}", p.predictor);
   fmt::format_to(out, "\n");
   for (const auto& group : groups) {
-    fmt::format_to(out, "{:<20} {:<42}", group.front().capture,
+    fmt::format_to(out, "{:<{}}  {:<42}", group.front().capture, longest,
                    with_unit(group.front().quantity, group.front().unit));
     for (const PredictionScore& first : groups.front()) {
       const auto p = std::ranges::find(group, first.predictor, &PredictionScore::predictor);
-      fmt::format_to(out, " {:>21}",
+      fmt::format_to(out, "  {:>21}",
                      p == group.end() ? "- " : shown(*p, p->median) + (p->best ? kBestMark : " "));
     }
     fmt::format_to(out, "\n");

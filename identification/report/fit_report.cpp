@@ -145,21 +145,23 @@ void add_coefficient_table(const FitResult& result, std::back_insert_iterator<st
 }
 
 void add_capture_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
-  fmt::format_to(out, "\n{:<20} {:>6}", "capture", "frames");
+  std::size_t longest = 20;
+  for (const CaptureFit& capture : result.captures) longest = std::max(longest, capture.id.size());
+  fmt::format_to(out, "\n{:<{}}  {:>6}", "capture", longest, "frames");
   for (const Nuisance& n : result.captures.front().nuisances) {
-    fmt::format_to(out, " {:>22}", with_unit(n.name, n.unit));
+    fmt::format_to(out, "  {:>22}", with_unit(n.name, n.unit));
   }
   for (const OutputRms& r : result.residuals)
-    fmt::format_to(out, " {:>16}", with_unit(fmt::format("rms {}", r.output), r.unit));
+    fmt::format_to(out, "  {:>16}", with_unit(fmt::format("rms {}", r.output), r.unit));
   fmt::format_to(out, "\n");
   for (const CaptureFit& capture : result.captures) {
-    fmt::format_to(out, "{:<20} {:>6}", capture.id, capture.frames);
+    fmt::format_to(out, "{:<{}}  {:>6}", capture.id, longest, capture.frames);
     for (const Nuisance& n : capture.nuisances) {
-      fmt::format_to(out, " {:>22}",
+      fmt::format_to(out, "  {:>22}",
                      fmt::format("{}{}{}", with_error(n.value, n.standard_error),
                                  n.standard_error ? "" : " +- -", n.at_bound ? " !" : ""));
     }
-    for (const OutputRms& r : capture.residuals) fmt::format_to(out, " {:>16.3g}", r.rms);
+    for (const OutputRms& r : capture.residuals) fmt::format_to(out, "  {:>16.3g}", r.rms);
     fmt::format_to(out, "\n");
   }
 }
