@@ -217,6 +217,49 @@ TEST_CASE("no later frame changes a bit of what any predictor says, mixtures and
   CHECK(said_of(plainly) == said_of(wild));
 }
 
+TEST_CASE("spans that only teach make the autoregression better, and change no bit of model and baselines") {
+  const BrakedFamily family;
+  FitOptions options = plain();
+  options.unknowns.fixed = {{"k", 1.4}};
+  options.compared.span = kSpan;
+  const PredictionOptions prediction{.span = kSpan, .ahead = kAhead};
+  const PredictedOutputs outputs{.outputs = {{"x", "m"}}};
+  std::vector<CapturePrediction> asked, all;
+  const std::vector<Capture> captures = braked(0, 40, 2e-3);
+  for (std::size_t k = 0; k < captures.size(); ++k) {
+    const bool asks_model = k < 6;
+    CapturePrediction one = predict_capture(family, captures[k], outputs, options, prediction, asks_model);
+    one.cluster = static_cast<int>(k);
+    CHECK((one.model.size() > 0) == asks_model);
+    if (asks_model) asked.push_back(one);
+    all.push_back(std::move(one));
+  }
+  const std::vector<Quantity> compared = quantities(family, outputs, options);
+  const MotionForecasts by_few(compared, asked, prediction), by_all(compared, all, prediction);
+  double error_of_few = 0.0, error_of_all = 0.0;
+  for (const Capture& capture : braked(40, 60, 2e-3)) {
+    const CapturePrediction one = predict_capture(family, capture, outputs, options, prediction);
+    const Eigen::Index last = one.times.size() - 1;
+    const std::vector<SaidForecast> few = by_few.say(0, one, last), many = by_all.say(0, one, last);
+    REQUIRE(few.size() == many.size());
+    for (std::size_t m = 0; m < few.size(); ++m) {
+      const std::string& predictor = few[m].predictor;
+      INFO(predictor);
+      REQUIRE(many[m].predictor == predictor);
+      if (predictor == kAutoregression) {
+        error_of_few += std::abs(few[m].mean[0] - one.truth(last, 0));
+        error_of_all += std::abs(many[m].mean[0] - one.truth(last, 0));
+      } else if (predictor != kMixture && std::isfinite(few[m].mean[0])) {
+        CHECK(many[m].mean == few[m].mean);
+        REQUIRE(many[m].parts.size() == few[m].parts.size());
+        for (std::size_t c = 0; c < few[m].parts.size(); ++c)
+          CHECK(many[m].parts[c].deviations == few[m].parts[c].deviations);
+      }
+    }
+  }
+  CHECK(error_of_all < error_of_few);
+}
+
 TEST_CASE("with a mixture forecasts have distributions, of all captures and of folds") {
   const BrakedFamily family;
   PredictionOptions prediction{.span = 0.6, .ahead = 0.5, .mixture = true};
