@@ -329,7 +329,10 @@ class SteppedBuild {
     }
     const bool are_nodes_used_up =
         state_.round > 1 && needs_nodes && lines_.within(state_.node_share * plan_.relative) == state_.nodes;
-    if (const std::optional<Front>& front = lines_.front()) {
+    // One that errs by little is worth a fine round.
+    constexpr double kLittle = 10.0;
+    const std::optional<Front>& front = lines_.front();
+    if (front && (state_.round > 1 || front->error > kLittle * plan_.relative)) {
       throw SteppedEnd(
           {Termination::exhausted,
            fmt::format("{}; {}",
