@@ -114,16 +114,16 @@ class TextTable {
     }
   }
 
-  /// As several tables of at most `width`, each with the first columns, as many as tell the rows apart if there is room
-  /// for them. Empty where not even the first one has room beside every other.
+  /// As several tables of at most `width`, each with the first columns, as many as tell the rows apart. Empty where these
+  /// have no room beside every other.
   std::vector<std::string> parted(std::size_t width) const {
-    std::size_t heads = telling_columns();
-    const auto widest_beside = [&] {
-      return *std::max_element(widths_.begin() + static_cast<std::ptrdiff_t>(heads), widths_.end());
-    };
-    while (heads > 0 && columns_together(0, heads) + 2 + widest_beside() > width) --heads;
+    const std::size_t heads = telling_columns();
+    if (heads == widths_.size()) return {};
+    const std::size_t widest =
+        *std::max_element(widths_.begin() + static_cast<std::ptrdiff_t>(heads), widths_.end());
+    if (columns_together(0, heads) + 2 + widest > width) return {};
     std::vector<std::string> lines;
-    for (std::size_t first = heads; heads > 0 && first < widths_.size();) {
+    for (std::size_t first = heads; first < widths_.size();) {
       std::size_t last = first + 1;
       while (last < widths_.size() &&
              columns_together(0, heads) + 2 + columns_together(first, last + 1) <= width)
@@ -148,7 +148,7 @@ class TextTable {
         heads.emplace(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
       if (heads.size() == rows_.size()) return count;
     }
-    return 1;
+    return widths_.size();
   }
 
   /// The first columns begin below each other, the others end so, as numbers do.
@@ -165,16 +165,23 @@ class TextTable {
   std::vector<std::size_t> widths_;
 };
 
-/// Rows from the first on that are one table: as many cells in each.
-std::vector<std::vector<std::string>> table_from(std::span<const std::string> lines) {
-  std::vector<std::vector<std::string>> rows;
-  for (const std::string& line : lines) {
-    if (!is_row(line)) break;
-    std::vector<std::string> cells = cells_of(line);
-    if (!rows.empty() && cells.size() != rows.front().size()) break;
-    rows.push_back(std::move(cells));
-  }
-  return rows;
+/// Rows from the first line on, to the next that is none.
+std::span<const std::string> rows_from(std::span<const std::string> lines) {
+  const auto end = std::ranges::find_if_not(lines, is_row);
+  return lines.first(static_cast<std::size_t>(end - lines.begin()));
+}
+
+/// Too wide rows in parts, if all have as many cells; else as they are.
+std::vector<std::string> fitted_rows(std::span<const std::string> rows, std::size_t width) {
+  std::vector<std::vector<std::string>> cells;
+  for (const std::string& row : rows) cells.push_back(cells_of(row));
+  const bool is_table = rows.size() > 1 && std::ranges::all_of(cells, [&](const auto& row) {
+                          return row.size() == cells.front().size();
+                        });
+  const bool is_wide = std::ranges::any_of(rows, [&](const auto& row) { return columns_of(row) > width; });
+  std::vector<std::string> parts;
+  if (is_table && is_wide) parts = TextTable(std::move(cells)).parted(width);
+  return parts.empty() ? std::vector<std::string>(rows.begin(), rows.end()) : parts;
 }
 
 }  // namespace
@@ -189,18 +196,13 @@ std::string wrapped_prose(const std::string& text, std::size_t width) {
   const std::vector<std::string> lines = lines_of(text);
   std::vector<std::string> result;
   for (std::size_t k = 0; k < lines.size();) {
-    std::vector<std::vector<std::string>> rows = table_from(std::span(lines).subspan(k));
+    const std::span<const std::string> rows = rows_from(std::span(lines).subspan(k));
     if (rows.empty()) {
       result.push_back(wrapped_line(lines[k++], width));
       continue;
     }
-    const std::span<const std::string> whole = std::span(lines).subspan(k, rows.size());
     k += rows.size();
-    std::vector<std::string> parts;
-    if (rows.size() > 1 &&
-        std::ranges::any_of(whole, [&](const auto& line) { return columns_of(line) > width; }))
-      parts = TextTable(std::move(rows)).parted(width);
-    if (parts.empty()) parts.assign(whole.begin(), whole.end());
+    std::vector<std::string> parts = fitted_rows(rows, width);
     std::ranges::move(parts, std::back_inserter(result));
   }
   return fmt::format("{}{}", fmt::join(result, "\n"), text.ends_with('\n') ? "\n" : "");

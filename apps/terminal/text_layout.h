@@ -22,7 +22,7 @@ std::string wrapped_lines(const std::string& text, std::size_t width = screen_wi
 
 /// The same of sentences. Rows of a table, which have two blanks side by side, stay whole where they fit. A table of rows
 /// with as many cells each that is too wide is parted between columns: each part has the first ones, as many as tell the
-/// rows apart.
+/// rows apart. It stays whole where there is no room for these.
 std::string wrapped_prose(const std::string& text, std::size_t width = screen_width());
 
 }  // namespace samara::apps

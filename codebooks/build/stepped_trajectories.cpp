@@ -1,6 +1,8 @@
 #include "samara/codebooks/build/stepped_trajectories.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -61,6 +63,17 @@ double largest_difference(const Eigen::MatrixXd& fine, const Eigen::MatrixXd& co
   return largest;
 }
 
+/// Nothing where a trajectory is not finite: shorter steps may make it so.
+std::optional<Eigen::MatrixXd> finite_values(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilots,
+                                             const std::vector<double>& times) {
+  try {
+    return trajectories(pilots, times);
+  } catch (const SteppedEnd& end) {
+    if (end.ending.status != Termination::not_finite) throw;
+    return {};
+  }
+}
+
 }  // namespace
 
 /// The finer of two steps is kept. What it errs by follows from how fast differences fall: in the fourth order where f
@@ -71,16 +84,21 @@ void choose_step(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilot
   constexpr double kFourthOrder = 16.0;
   std::vector<double> times;
   for (int i = 0; i <= kFirstSteps; ++i) times.push_back(end * i / kFirstSteps);
-  Eigen::MatrixXd coarse = trajectories(pilots, times);
+  std::optional<Eigen::MatrixXd> coarse = finite_values(trajectories, pilots, times);
   double before = 0.0;
   for (int halvings = 1;; ++halvings) {
+    const bool is_last = halvings == kMostHalvings;
     trajectories.halve_step();
-    Eigen::MatrixXd fine = trajectories(pilots, times);
-    const double difference = largest_difference(fine, coarse, floors);
-    const double falls = std::min(before / difference, kFourthOrder);
-    const double error = falls > 2.0 ? difference / (falls - 1.0) : difference;
+    std::optional<Eigen::MatrixXd> fine =
+        is_last ? trajectories(pilots, times) : finite_values(trajectories, pilots, times);
+    double error = std::numeric_limits<double>::infinity(), difference = 0.0;
+    if (fine && coarse) {
+      difference = largest_difference(*fine, *coarse, floors);
+      const double falls = std::min(before / difference, kFourthOrder);
+      error = falls > 2.0 ? difference / (falls - 1.0) : difference;
+    }
     if (error <= tolerance) return;
-    if (halvings == kMostHalvings) {
+    if (is_last) {
       throw SteppedEnd(
           {Termination::not_resolved,
            fmt::format("Runge-Kutta steps of {:.3g} s still err by {:.3g}", trajectories.step(), error)});

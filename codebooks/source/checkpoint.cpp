@@ -148,7 +148,11 @@ InputError bad_checkpoint(const std::filesystem::path& path, const std::string& 
 }
 
 Checkpoint::Checkpoint(std::filesystem::path path, std::string plan)
-    : path_(std::move(path)), plan_(std::move(plan)) {}
+    : path_(std::move(path)), plan_(std::move(plan)) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path_, ignored))
+    throw InputError(path_.string(), "is a folder, expected a file for the checkpoint of a build");
+}
 
 std::vector<double> Checkpoint::march() const {
   std::optional<Journal> journal;

@@ -107,16 +107,19 @@ class Tallies {
                         std::vector<PredictionScore>& scores) {
     std::vector<PredictionScore> group;
     double least = std::numeric_limits<double>::infinity();
+    // Who is silent where others speak may have left out what is hard: the best is one of those that say most.
+    int most = 0;
+    for (const PredictionTally& tally : tallies) most = std::max(most, tally.score().count);
     for (const PredictionTally& tally : tallies) {
       PredictionScore score = tally.score();
       score.capture = capture;
       // Only where sensors measure it, or something is up, or captures have trained it is there such a predictor.
       if (score.count > 0 || is_always_there(score.predictor)) group.push_back(score);
-      if (score.count > 0) least = std::min(least, score.median);
+      if (score.count > 0 && score.count == most) least = std::min(least, score.median);
     }
     if (std::isinf(least)) return;
     for (PredictionScore& score : group) {
-      score.best = score.count > 0 && score.median == least;
+      score.best = score.count > 0 && score.count == most && score.median == least;
     }
     if (capture.empty()) add_differences(tallies, group);
     for (PredictionScore& score : group) scores.push_back(std::move(score));

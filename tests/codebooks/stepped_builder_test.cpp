@@ -114,6 +114,36 @@ TEST_CASE("the kind auto takes steps for more than two coordinates, and says why
   CHECK_THAT(result.book.build().message, Contains("chosen because trajectories by steps met the tolerance"));
 }
 
+TEST_CASE("steps are halved where the first are so long that a trajectory overflows") {
+  const BuildResult result = build(parse_plan(R"toml(model = "immersed_body"
+[fixed]
+a = "3.5 cm"
+b = "2 cm"
+c = "0.1 mm"
+density = 1200
+C_D0 = 0.05
+C_w = 2
+"qw(0)" = 0.996194698
+"qx(0)" = 0.05
+"qy(0)" = 0.0711
+[box]
+C_D90 = [0.249, 0.251]
+C_T = [0.729, 0.731]
+C_R = [0.719, 0.721]
+[time]
+end = 0.9
+[tolerance]
+relative = 1e-2
+[builder]
+kind = "sampling"
+strategy = "steps"
+)toml",
+                                              "plan.toml"),
+                                   {.certificate_points = 50});
+  INFO(result.message);
+  CHECK(result.met);
+}
+
 TEST_CASE("steps that may not integrate enough have no result, and leave the kind auto to the others") {
   CHECK_THAT(error_text<samara::NoResultError>(
                  [&] { built_by_steps(stepped_plate(kSteps + "max_calls = 1000\n")); }),
