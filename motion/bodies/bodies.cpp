@@ -12,7 +12,7 @@
 #include "samara/base/require.h"
 #include "samara/models/batch/stepper.h"
 #include "samara/models/bodies/body_pose.h"
-#include "samara/models/stochastic/gust_layout.h"
+#include "samara/motion/bodies/air_about_bodies.h"
 #include "samara/motion/bodies/look_ahead.h"
 #include "samara/motion/bodies/steered_model.h"
 
@@ -30,12 +30,6 @@ struct Body {
   int past_count = 0;
   std::optional<EventKind> planned;
   Eigen::Index followed = -1;  ///< the segment whose coefficients it has, or moves to
-};
-
-/// The air about one body.
-struct Air {
-  models::AmbientSample now;                          ///< where it is
-  Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< m, how far it has gone
 };
 
 /// Steps that bodies take pack by pack.
@@ -69,7 +63,7 @@ struct Bodies::Impl {
         present(coefficients) {
     bodies.reserve(static_cast<std::size_t>(count));
     for (Eigen::Index n = 0; n < count; ++n) bodies.emplace_back(given.seed, static_cast<std::uint64_t>(n));
-    if (given.wind) airs.resize(bodies.size());
+    if (given.wind) air.emplace(model.model(), given.wind, layout, bodies.size());
     room = bodies.size() * 4;
     events.reserve(room);
     for (std::vector<BodyEvent>& of_step : fresh) of_step.reserve(bodies.size());
@@ -78,7 +72,6 @@ struct Bodies::Impl {
     for (const std::string& name : pose.names)
       pose_indices.push_back(static_cast<std::size_t>(
           std::ranges::find(info.states, name, &models::StateInfo::name) - info.states.begin()));
-    if (given.wind) gusts.emplace(model.model());
     if (options.step == 0.0) options.step = source.database().step;
     if (options.ramp < 0.0) options.ramp = source.ramp();
     if (options.tries > 0) ahead.emplace(source, options.step, options.ramp, options.tries);
@@ -94,30 +87,6 @@ struct Bodies::Impl {
   }
 
   Body& body(Eigen::Index n) { return bodies[static_cast<std::size_t>(n)]; }
-  Air& air(Eigen::Index n) { return airs[static_cast<std::size_t>(n)]; }
-
-  /// Of the world, along the axes of states: in a plane x and z.
-  double along_axis(const Eigen::Vector3d& v, std::size_t k) const {
-    return v[layout.is_planar && k == 1 ? 2 : static_cast<Eigen::Index>(k)];
-  }
-
-  models::BodyOnPath motion_of(std::span<const double> here) const {
-    models::BodyOnPath motion;
-    gusts->read([&](int i) { return here[static_cast<std::size_t>(i)]; }, motion);
-    return motion;
-  }
-
-  /// Place and velocity relative to the air, in which bodies meet events and look for pieces.
-  void take_air(Eigen::Index n, double t, std::span<double> here) {
-    Air& about = air(n);
-    const models::BodyOnPath motion = motion_of(here);
-    about.now = options.wind->sample(t, motion.position);
-    const Eigen::Vector3d along = motion.attitude.transpose() * about.now.velocity;
-    for (std::size_t k = 0; k < layout.velocities().size(); ++k) {
-      here[layout.velocity[k]] -= along_axis(along, k);
-      here[layout.position[k]] -= along_axis(about.carried, k);
-    }
-  }
 
   void begin(Eigen::Index n, std::span<const double> from, std::span<const double> first) {
     Body& one = body(n);
@@ -130,23 +99,17 @@ struct Bodies::Impl {
     one.planned.reset();
     one.followed = -1;
     std::ranges::copy(from, state.begin());
-    if (options.wind) {
-      air(n).carried.setZero();
-      take_air(n, 0.0, state);
+    if (air) {
+      air->begin(n);
+      air->look(n, 0.0, state);
     }
     finders.begin(n, 0.0, state);
   }
 
-  /// The air over the next step.
-  void set_air(Eigen::Index n, double h) {
-    const models::AmbientSample& now = air(n).now;
-    air(n).carried += h * now.velocity;
+  /// Tells a body of the air over the next step.
+  void tell_air(Eigen::Index n, double h) {
     stepper.read(n, state);
-    const Eigen::Vector3d rate = now.rate + now.gradient * motion_of(state).velocity;
-    const Eigen::Vector3d material = now.rate + now.gradient * now.velocity;
-    std::size_t next = 0;
-    gusts->write([&](int, double value) { values[next++] = value; }, stepper.time(n), now.velocity, rate,
-                 material, Eigen::Vector3d::Zero());
+    air->tell(n, stepper.time(n), h, state, values);
     stepper.drive(n, values);
   }
 
@@ -170,13 +133,13 @@ struct Bodies::Impl {
     if (pack.running == 0) return;
     for (std::size_t i = 0; i < states; ++i)
       std::copy_n(pack.states + i * pack.stride, width, before.data() + i * width);
-    if (options.wind) for_bits(pack.running, [&](int slot) { set_air(body_of(p, slot), h); });
+    if (air) for_bits(pack.running, [&](int slot) { tell_air(body_of(p, slot), h); });
     stepper.step_pack(p, h);
     std::uint64_t falling = pack.running & stepper.finite_lanes(p);
     for_bits(pack.running & ~falling, [&](int slot) { lose(p, slot); });
     if (options.ground) falling &= ~landed(p, pack, falling);
     LaneRows<const double> seen = {pack.states, pack.stride};
-    if (options.wind) seen = relative_states(p, pack, falling);
+    if (air) seen = relative_states(p, pack, falling);
     for_bits(finders.see(p, pack.times, seen, falling), [&](int slot) { go_on(p, slot, seen, found); });
   }
 
@@ -185,7 +148,7 @@ struct Bodies::Impl {
     for_bits(lanes, [&](int slot) {
       const Eigen::Index n = body_of(p, slot);
       stepper.read(n, state);
-      take_air(n, pack.times[slot], state);
+      air->look(n, pack.times[slot], state);
       for (std::size_t i = 0; i < states; ++i)
         relative[i * width + static_cast<std::size_t>(slot)] = state[i];
     });
@@ -244,7 +207,7 @@ struct Bodies::Impl {
                                   ? pieces.after(one.followed, finders.state(n), past, one.stream, wanted)
                                   : pieces.after(one.followed, finders.state(n), one.stream, wanted);
     // Nothing is near a state whose squares are infinite.
-    if (count == 0) return rest(n, BodyStatus::not_finite, finders.state(n));
+    if (count == 0) return lose(p, slot);
     const NextPiece piece = best_of(n, slot, seen, wanted.first(count));
     note({n, event.t, event.kind, one.planned, piece}, found);
     one.planned = piece.kind;
@@ -278,12 +241,11 @@ struct Bodies::Impl {
   models::ParametricModel model;
   MovingStates moving;
   StateLayout layout;
-  std::optional<models::GustLayout> gusts;  // in wind
   models::Stepper stepper;
   std::size_t states, coefficients, width;
   EventLanes finders;
   std::vector<Body> bodies;
-  std::vector<Air> airs;                 // in wind
+  std::optional<AirAboutBodies> air;     // in wind
   std::vector<double> before, relative;  // states of a pack: before its step, and in wind
   std::vector<double> values;            // all free parameters of one body
   std::vector<double> state;             // of one body
@@ -358,13 +320,7 @@ void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
     const std::array<double, 4> q = {turned.w(), turned.x(), turned.y(), turned.z()};
     for (std::size_t k = 0; k < 4; ++k) numbers[at[k]] = q[k];
   }
-  if (run.options.wind) {
-    const models::BodyOnPath motion = run.motion_of(numbers);
-    const Eigen::Vector3d along =
-        motion.attitude.transpose() * run.options.wind->sample(0.0, motion.position).velocity;
-    for (std::size_t k = 0; k < run.layout.velocities().size(); ++k)
-      numbers[run.layout.velocity[k]] += run.along_axis(along, k);
-  }
+  if (run.air) run.air->carry(numbers);
   const Eigen::VectorXd& own = run.pieces.coefficients({segment, EventKind::swing_plus, 0.0});
   run.begin(n, {state.data(), run.states}, {own.data(), run.coefficients});
 }

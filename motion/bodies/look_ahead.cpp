@@ -37,12 +37,7 @@ void LookAhead::begin(const Now& now, std::span<const NextPiece> choices) {
 
 void LookAhead::step(std::span<const NextPiece> choices, double end) {
   for (Eigen::Index p = 0; p < stepper_.packs(); ++p) {
-    stepper_.step_pack(p, step_);
-    const models::Stepper::Pack pack = stepper_.pack(p);
-    if (pack.running == 0) continue;
-    const std::uint64_t finite = stepper_.finite_lanes(p);
-    const std::uint64_t events =
-        finders_.see(p, pack.times, {pack.states, pack.stride}, pack.running & finite);
+    const auto [pack, finite, events] = finders_.step(stepper_, p, step_);
     for_bits(pack.running, [&](int slot) {
       const Eigen::Index lane = p * stepper_.width() + slot;
       const auto k = static_cast<std::size_t>(lane);

@@ -38,11 +38,7 @@ class TrialLanes {
       board(lane, next, trials[next]), ++next;
     while (riding > 0) {
       for (Eigen::Index p = 0; p < stepper_.packs(); ++p) {
-        stepper_.step_pack(p, database_.step);
-        const models::Stepper::Pack pack = stepper_.pack(p);
-        const std::uint64_t finite = stepper_.finite_lanes(p);
-        const std::uint64_t events =
-            finders_.see(p, pack.times, {pack.states, pack.stride}, pack.running & finite);
+        const auto [pack, finite, events] = finders_.step(stepper_, p, database_.step);
         for_bits(pack.running, [&](int slot) {
           const Eigen::Index lane = p * stepper_.width() + slot;
           Rider& rider = riders_[static_cast<std::size_t>(lane)];

@@ -193,6 +193,14 @@ std::uint64_t EventLanes::see(Eigen::Index pack, const double* times, const Lane
   return found;
 }
 
+EventLanes::Stepped EventLanes::step(models::Stepper& stepper, Eigen::Index pack, double h, long steps) {
+  stepper.step_pack(pack, h, steps);
+  const models::Stepper::Pack stepped = stepper.pack(pack);
+  const std::uint64_t finite = stepper.finite_lanes(pack);
+  return {stepped, finite,
+          see(pack, stepped.times, {stepped.states, stepped.stride}, stepped.running & finite)};
+}
+
 EventLanes::Mark EventLanes::mark_at_last(Eigen::Index lane, std::span<const double> state) const {
   Mark mark = {
       .t = number(lane, 0, kTime), .square = number(lane, 0, kSquare), .place = states_.place(state)};

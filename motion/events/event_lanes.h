@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "samara/base/bits.h"
+#include "samara/models/batch/stepper.h"
 #include "samara/motion/events/event.h"
 #include "samara/motion/events/event_screen.h"
 #include "samara/motion/events/moving_states.h"
@@ -41,6 +42,15 @@ class EventLanes {
   /// @returns bit k for an event in lane k
   std::uint64_t see(Eigen::Index pack, const double* times, const LaneRows<const double>& states,
                     std::uint64_t lanes);
+
+  /// A pack after some steps.
+  struct Stepped {
+    models::Stepper::Pack pack;
+    std::uint64_t finite = 0;  ///< bit k: all numbers of its lane k are
+    std::uint64_t events = 0;  ///< as see() says, of lanes that run and are finite
+  };
+  /// Takes the steps of a pack of as many lanes, and sees the states that they lead to.
+  Stepped step(models::Stepper& stepper, Eigen::Index pack, double h, long steps = 1);
 
   /// Whether the state before the one that was seen last is the slowest yet of what may turn out to be an event: the
   /// step beside its minimum.

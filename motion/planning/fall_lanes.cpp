@@ -295,11 +295,8 @@ void FallLanes::run(std::span<const Continuation> continuations, std::span<FallP
   for (Eigen::Index lane = 0; lane < kLanes && board_next(lane); ++lane) ++riding;
   while (riding > 0 && progress.goes_on()) {
     for (Eigen::Index p = 0; p < stepper_.packs(); ++p) {
-      stepper_.step_pack(p, fall_.plan().search.step, fall_.steps_to_look());
-      const models::Stepper::Pack pack = stepper_.pack(p);
-      const std::uint64_t finite = stepper_.finite_lanes(p);
-      const std::uint64_t events =
-          finders_.see(p, pack.times, {pack.states, pack.stride}, pack.running & finite);
+      const auto [pack, finite, events] =
+          finders_.step(stepper_, p, fall_.plan().search.step, fall_.steps_to_look());
       for_bits(pack.running, [&](int slot) {
         const Eigen::Index lane = p * stepper_.width() + slot;
         Rider& rider = riders_[static_cast<std::size_t>(lane)];
