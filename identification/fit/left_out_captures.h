@@ -1,0 +1,52 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/fit/capture_prediction.h"
+#include "samara/identification/fit/prediction.h"
+#include "samara/identification/fit/prediction_scores.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/problem/warnings.h"
+
+/// Captures that had no part in a fit, predicted by it; internal to identification/.
+namespace samara::identification {
+
+/// Captures left out of one fit, predicted by it.
+struct PredictedCaptures {
+  std::vector<Quantity> compared = {};
+  std::vector<CapturePrediction> predictions = {};
+  /// Why some could not be predicted, and which.
+  std::vector<std::pair<std::string, std::vector<std::string>>> lacks = {};
+  std::vector<std::string> sentences = {};  ///< what else the reader of the scores must know
+  std::vector<std::string> shares = {};     ///< of mixtures, in sentences
+  /// Spans all along the captures, of which the model was not asked; only where they are wanted.
+  std::vector<CapturePrediction> along = {};
+
+  void add_lack(const std::string& reason, const std::vector<std::string>& captures);
+  /// @param other of other clusters, which go on in number
+  void add(PredictedCaptures other);
+};
+
+/// @throws ArgumentError for times outside their meaning
+void check_prediction(const FitOptions& options, const PredictionOptions& prediction);
+
+/// One that is given twice would count twice. @throws InputError
+void refuse_twice(std::span<const Capture> left_out);
+
+/// @param id, file of a capture that is fitted  @throws InputError where it is among those left out
+void refuse_fitted(const std::string& id, const std::string& file, std::span<const Capture> left_out);
+
+/// @param wants_along whether spans all along the captures are wanted
+PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitResult& fitted,
+                             std::span<const Capture> left_out, const FitOptions& options,
+                             const PredictionOptions& prediction, bool wants_along = false);
+
+/// What the reader must know of those that were predicted, and of those that were not.
+void add_sentences(PredictedCaptures& outcome, Warnings& warnings);
+
+}  // namespace samara::identification
