@@ -1,6 +1,7 @@
 #include "samara/base/streams.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -77,4 +78,28 @@ TEST_CASE("normal numbers are those of Box and Muller, whether one is asked for 
       CHECK(std::abs(many[k][pair + 1] - radius * std::sin(angle)) < 1e-14);
     }
   }
+}
+
+TEST_CASE("normal numbers are independent between realisations, components, steps and streams") {
+  constexpr int kNumbers = 40000;
+  const double allowed = 4.0 / std::sqrt(kNumbers);
+  std::array<double, 6> sums = {};
+  double squares = 0.0, fourth = 0.0;
+  for (std::uint64_t n = 0; n < kNumbers; ++n) {
+    const auto here = samara::normals_at(5, {.realisation = n, .step = 3, .stream = 1});
+    const auto next = samara::normals_at(5, {.realisation = n + 1, .step = 3, .stream = 1});
+    const auto later = samara::normals_at(5, {.realisation = n, .step = 4, .stream = 1});
+    const auto other = samara::normals_at(5, {.realisation = n, .step = 3, .stream = 2});
+    sums[0] += here[0] * next[0];
+    sums[1] += here[0] * here[1];
+    sums[2] += here[1] * here[2];
+    sums[3] += here[0] * later[0];
+    sums[4] += here[0] * other[0];
+    sums[5] += here[0];
+    squares += here[0] * here[0];
+    fourth += std::pow(here[2], 4);
+  }
+  for (const double sum : sums) CHECK(std::abs(sum / kNumbers) < allowed);
+  CHECK(std::abs(squares / kNumbers - 1.0) < std::sqrt(2.0) * allowed);
+  CHECK(std::abs(fourth / kNumbers - 3.0) < std::sqrt(96.0) * allowed);
 }

@@ -49,6 +49,13 @@ Capture read(const TestFiles& files, const std::string& name, bool goes_on) {
   return read_captures(sidecar).at(0);
 }
 
+FitOptions held_drag() {
+  FitOptions options = plain();
+  options.unknowns.fixed = {{"k", 1.4}};
+  options.compared.span = kSpan;
+  return options;
+}
+
 }  // namespace
 
 TEST_CASE("frames after the origin of a forecast change no bit of it, from file to prediction") {
@@ -175,9 +182,7 @@ TEST_CASE("shares of each horizon are those that its own training frames show") 
 TEST_CASE("no later frame changes a bit of what any predictor says, mixtures and distributions among them") {
   const TestFiles files;
   const BrakedFamily family;
-  FitOptions options = plain();
-  options.unknowns.fixed = {{"k", 1.4}};
-  options.compared.span = kSpan;
+  const FitOptions options = held_drag();
   const PredictionOptions prediction{.span = kSpan, .ahead = kAhead};
   const PredictedOutputs outputs{.outputs = {{"x", "m"}}};
   std::vector<CapturePrediction> training;
@@ -219,9 +224,7 @@ TEST_CASE("no later frame changes a bit of what any predictor says, mixtures and
 
 TEST_CASE("spans that only teach make the autoregression better, and change no bit of model and baselines") {
   const BrakedFamily family;
-  FitOptions options = plain();
-  options.unknowns.fixed = {{"k", 1.4}};
-  options.compared.span = kSpan;
+  const FitOptions options = held_drag();
   const PredictionOptions prediction{.span = kSpan, .ahead = kAhead};
   const PredictedOutputs outputs{.outputs = {{"x", "m"}}};
   std::vector<CapturePrediction> asked, all;

@@ -8,7 +8,6 @@
 
 #include "langevin_figures.h"
 #include "samara/base/errors.h"
-#include "samara/base/normals.h"
 #include "samara/models/batch/batch.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/stochastic/fluid_seen.h"
@@ -243,30 +242,6 @@ TEST_CASE("one generator behind all realisations is found out") {
                        alone = {.realisations = 1, .first = 17, .threads = 1, .keep = 1};
   CHECK_FALSE(same_bits(path_of_17(SharedGenerator(), many), path_of_17(SharedGenerator(), alone)));
   CHECK(same_bits(path_of_17(*breeze(), many), path_of_17(*breeze(), alone)));
-}
-
-TEST_CASE("noise is independent between realisations, components, steps and streams") {
-  constexpr int kNumbers = 40000;
-  const double allowed = 4.0 / std::sqrt(kNumbers);
-  std::array<double, 6> sums = {};
-  double squares = 0.0, fourth = 0.0;
-  for (std::uint64_t n = 0; n < kNumbers; ++n) {
-    const auto here = samara::normals_at(5, {.realisation = n, .step = 3, .stream = 1});
-    const auto next = samara::normals_at(5, {.realisation = n + 1, .step = 3, .stream = 1});
-    const auto later = samara::normals_at(5, {.realisation = n, .step = 4, .stream = 1});
-    const auto other = samara::normals_at(5, {.realisation = n, .step = 3, .stream = 2});
-    sums[0] += here[0] * next[0];
-    sums[1] += here[0] * here[1];
-    sums[2] += here[1] * here[2];
-    sums[3] += here[0] * later[0];
-    sums[4] += here[0] * other[0];
-    sums[5] += here[0];
-    squares += here[0] * here[0];
-    fourth += std::pow(here[2], 4);
-  }
-  for (const double sum : sums) CHECK(std::abs(sum / kNumbers) < allowed);
-  CHECK_THAT(squares / kNumbers, WithinAbs(1.0, std::sqrt(2.0) * allowed));
-  CHECK_THAT(fourth / kNumbers, WithinAbs(3.0, std::sqrt(96.0) * allowed));
 }
 
 TEST_CASE("neighbouring realisations have nothing to do with each other") {
