@@ -153,15 +153,14 @@ Eigen::Vector3d carried_on_by_velocity(const Capture& seen, double time) {
   const Eigen::Index frames = seen.frame_count();
   const Eigen::MatrixX3d places = positions_of(seen);
   const double end = seen.times[frames - 1];
-  Eigen::MatrixX2d line(frames, 2);
-  Eigen::MatrixX3d velocities(frames, 3);
+  Eigen::MatrixXd line(frames, 2), velocities(frames, 3);
   const auto at = [&](const char* name, Eigen::Index k) { return seen.channel(name).values[k]; };
   for (Eigen::Index k = 0; k < frames; ++k) {
     const Eigen::Quaterniond q(at("qw", k), at("qx", k), at("qy", k), at("qz", k));
     velocities.row(k) = (q.normalized() * Eigen::Vector3d(at("ux", k), at("uy", k), at("uz", k))).transpose();
     line.row(k) << 1.0, seen.times[k] - end;
   }
-  const Eigen::Matrix<double, 2, 3> fitted = line.householderQr().solve(velocities);
+  const Eigen::MatrixXd fitted = line.householderQr().solve(velocities);
   const auto moved_by = [&](double since_end) -> Eigen::RowVector3d {
     return fitted.row(0) * since_end + fitted.row(1) * (0.5 * since_end * since_end);
   };

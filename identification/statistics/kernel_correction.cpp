@@ -106,7 +106,7 @@ Solution solve_ridge(Eigen::MatrixXd kernel, double ridge, const Eigen::MatrixXd
   Solution solution{.all = inverse * values, .foretold = values};
   for (const std::vector<Eigen::Index>& part : parts) {
     const Eigen::MatrixXd block = inverse(part, part);
-    const Eigen::MatrixXd missed = block.llt().solve(solution.all(part, Eigen::all));
+    const Eigen::MatrixXd missed = block.llt().solve(Eigen::MatrixXd(solution.all(part, Eigen::all)));
     Eigen::MatrixXd without = solution.all - inverse(Eigen::all, part) * missed;
     for (const Eigen::Index row : part) without.row(row).setZero();
     solution.without.push_back(std::move(without));

@@ -29,8 +29,8 @@ void check(const KirchhoffBodyData& body) {
   if (!finite) throw ArgumentError("the data of the Kirchhoff body hold a value that is not finite");
   require_positive(body.mass, "the mass of the Kirchhoff body");
   require_not_negative(body.displaced_mass, "the displaced mass of the Kirchhoff body");
-  const Matrix6 total = body_inertia(body) + body.added_mass;
-  if (Eigen::LLT<Matrix6>((total + total.transpose()) / 2.0).info() != Eigen::Success) {
+  const Eigen::MatrixXd total = body_inertia(body) + body.added_mass;
+  if (Eigen::LLT<Eigen::MatrixXd>((total + total.transpose()) / 2.0).info() != Eigen::Success) {
     throw ArgumentError("the inertia of the Kirchhoff body, added mass included, is not positive definite");
   }
 }

@@ -107,10 +107,10 @@ struct LieGroupModelIntegrator::Impl {
     const Vector6 momentum = I * velocity;
     const Eigen::Vector3d P = momentum.head<3>(), L = momentum.tail<3>();
     const Wrench outer = wrench(0.0, motion, p);
-    Vector6 load;
+    Eigen::VectorXd load(6);
     load << P.cross(motion.w_WB_B) + outer.force,
         L.cross(motion.w_WB_B) + P.cross(motion.v_WB_B) + outer.torque;
-    const Vector6 expected = I.ldlt().solve(load);
+    const Eigen::VectorXd expected = I.ldlt().solve(load);
     std::vector<double> f(kStates);
     ParametricModel::Workspace workspace = model.make_workspace();
     model.rhs(0.0, state_of(motion), q, f, workspace);

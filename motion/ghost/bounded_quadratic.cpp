@@ -17,7 +17,8 @@ Eigen::VectorXd minimum_inside(const Eigen::MatrixXd& H, const Eigen::VectorXd& 
   Eigen::VectorXd target = z;
   if (inside.empty()) return target;
   const Eigen::VectorXd slope = g - H * z;
-  const Eigen::VectorXd step = H(inside, inside).ldlt().solve(slope(inside));
+  const Eigen::VectorXd step =
+      Eigen::MatrixXd(H(inside, inside)).ldlt().solve(Eigen::VectorXd(slope(inside)));
   for (std::size_t k = 0; k < inside.size(); ++k) target[inside[k]] += step[static_cast<Eigen::Index>(k)];
   return target;
 }

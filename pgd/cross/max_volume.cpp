@@ -228,7 +228,7 @@ void apply(const Swaps& swaps, MaxVolume& volume) {
     change(static_cast<Index>(k), swaps.places[k]) -= 1.0;
     volume.rows[static_cast<std::size_t>(swaps.places[k])] = static_cast<int>(swaps.rows[k]);
   }
-  change = columns(swaps.rows, Eigen::all).partialPivLu().solve(change);
+  change = Eigen::MatrixXd(columns(swaps.rows, Eigen::all)).partialPivLu().solve(change);
   for_column_blocks(0, coefficients.cols(), [&](Index begin, Index count) {
     coefficients.middleCols(begin, count).noalias() -= columns * change.middleCols(begin, count);
   });

@@ -176,7 +176,7 @@ void SlabCollocation::newton(Chunk& chunk, double tolerance) const {
     Eigen::MatrixXd residual = chunk.f.leftCols(s) * integration.transpose() - x;
     residual.colwise() += chunk.start.col(0);
     const Eigen::VectorXd step =
-        collocation_matrix(integration, jacobians).partialPivLu().solve(residual.reshaped());
+        collocation_matrix(integration, jacobians).partialPivLu().solve(Eigen::VectorXd(residual.reshaped()));
     x += step.reshaped(n, s);
     const double correction =
         (scales_.cwiseInverse().asDiagonal() * step.reshaped(n, s)).cwiseAbs().maxCoeff();

@@ -28,7 +28,8 @@ std::vector<int> interpolation_rows(const Eigen::MatrixXd& basis) {
     Eigen::VectorXd rest = basis.col(c);
     if (c > 0) {
       const Eigen::MatrixXd known = basis.leftCols(c);
-      rest -= known * known(rows, Eigen::all).partialPivLu().solve(rest(rows)).eval();
+      const Eigen::VectorXd seen = rest(rows);
+      rest -= known * Eigen::MatrixXd(known(rows, Eigen::all)).partialPivLu().solve(seen).eval();
     }
     Eigen::Index worst = 0;
     rest.cwiseAbs().maxCoeff(&worst);

@@ -38,7 +38,7 @@ Eigen::MatrixXd solve_at(const StrategySlab& slab, const LinearSlab& linear, con
     solutions.col(e).head(n) = starts.col(e);
     solutions.col(e).tail(n * s) = collocation_matrix(integration, jacobians.col(e).reshaped(n * n, s))
                                        .partialPivLu()
-                                       .solve(rhs.reshaped());
+                                       .solve(Eigen::VectorXd(rhs.reshaped()));
   });
   return solutions;
 }

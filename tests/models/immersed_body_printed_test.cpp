@@ -64,7 +64,7 @@ Landing landing(const Pattern& pattern, const Eigen::Vector3d& axis, double cent
   const Eigen::MatrixXd path = states.topLeftCorner(rows, 2);
   const Eigen::RowVector2d centroid = path.colwise().mean();
   const Eigen::MatrixXd about = path.rowwise() - centroid;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(about.transpose() * about);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(about.transpose() * about);
   landing.distance = centroid.norm();
   landing.eccentricity = std::sqrt(1.0 - axes.eigenvalues()[0] / axes.eigenvalues()[1]);
   return landing;
