@@ -5,9 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include <boost/math/distributions/chi_squared.hpp>
-
 #include "samara/identification/problem/chart.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
 
@@ -45,8 +44,7 @@ HypothesisFilter::HypothesisFilter(const FollowedModel& model)
   const Eigen::Index rows = model.compared();
   gates_.assign(1, 0.0);
   for (Eigen::Index count = 1; count <= rows; ++count) {
-    const boost::math::chi_squared distribution(static_cast<double>(count));
-    gates_.push_back(boost::math::quantile(distribution, model.options().gate));
+    gates_.push_back(chi_squared_quantile(static_cast<double>(count), model.options().gate));
   }
   for (Eigen::VectorXd* vector : {&moved_, &point_}) vector->setZero(size);
   for (Eigen::VectorXd* vector : {&error_, &step_}) vector->setZero(errors);

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include <boost/math/special_functions/beta.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::motion {
 
@@ -44,7 +44,8 @@ Chance dirichlet_chance(double count, double total, double kinds) {
   const double a = count + 0.5, b = total - count + 0.5 * (kinds - 1.0);
   // Where nothing else could have come.
   if (!(b > 0.0)) return {1.0, 1.0, 1.0};
-  return {a / (a + b), boost::math::ibeta_inv(a, b, 0.025), boost::math::ibeta_inv(a, b, 0.975)};
+  return {a / (a + b), identification::beta_quantile(a, b, 0.025),
+          identification::beta_quantile(a, b, 0.975)};
 }
 
 MarkovChain::MarkovChain(int symbols, int order) : symbols_(symbols), order_(order) {

@@ -1,8 +1,7 @@
 #include "samara/motion/patterns/share.h"
 
-#include <boost/math/special_functions/beta.hpp>
-
 #include "samara/base/require.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::motion {
 
@@ -11,8 +10,8 @@ Share counted_share(long count, long total) {
   require(count >= 0 && count <= total, "count", count, "0 to the total");
   const double a = static_cast<double>(count) + 0.5, b = static_cast<double>(total - count) + 0.5;
   Share share = {static_cast<double>(count) / static_cast<double>(total)};
-  if (count > 0) share.lower = boost::math::ibeta_inv(a, b, 0.025);
-  if (count < total) share.upper = boost::math::ibeta_inv(a, b, 0.975);
+  if (count > 0) share.lower = identification::beta_quantile(a, b, 0.025);
+  if (count < total) share.upper = identification::beta_quantile(a, b, 0.975);
   return share;
 }
 
