@@ -38,12 +38,13 @@ function(samara_room name)
   endif()
 endfunction()
 
-# samara_compile_together(<target> [ACROSS_FOLDERS] <source> ...)
+# samara_compile_together(<target> [ACROSS_FOLDERS] [FILES <number>] <source> ...)
 #
-# With SAMARA_UNITY_BUILD these sources of the target share compilations, about eight files each: most of the time of a
-# small file is that of its headers and of what they instantiate. Those with flags of their own stay alone. Names in
-# anonymous namespaces are unique among files that may meet (tests/structure): those of a folder, those of all folders
-# of few files, which share compilations, too, and with ACROSS_FOLDERS all of them.
+# With SAMARA_UNITY_BUILD these sources of the target share compilations, about that many files each, or eight: most of
+# the time of a small file is that of its headers and of what they instantiate. Twice as many take a tenth less time, in
+# the command a third. Those with flags of their own stay alone. Names in anonymous namespaces are unique among files
+# that may meet (tests/structure): those of a folder, those of all folders of few files, which share compilations, too,
+# and with ACROSS_FOLDERS all of them.
 function(samara_compile_together target)
   if(SAMARA_UNITY_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
@@ -54,7 +55,10 @@ function(samara_compile_together target)
 endfunction()
 
 function(samara_group_sources)
-  cmake_parse_arguments(TOGETHER "ACROSS_FOLDERS" "" "" ${ARGN})
+  cmake_parse_arguments(TOGETHER "ACROSS_FOLDERS" "FILES" "" ${ARGN})
+  if(NOT TOGETHER_FILES)
+    set(TOGETHER_FILES 8)
+  endif()
   set(few 4)
   set(folders)
   foreach(source ${TOGETHER_UNPARSED_ARGUMENTS})
@@ -81,7 +85,8 @@ function(samara_group_sources)
   endforeach()
   foreach(folder ${folders} few)
     list(LENGTH sources_${folder} count)
-    math(EXPR batches "(${count} + 5) / 8")  # of equal size, of ten files at most, and a rest of two makes none
+    # Of equal size, and a quarter of a batch more makes no other.
+    math(EXPR batches "(${count} + ${TOGETHER_FILES} * 3 / 4 - 1) / ${TOGETHER_FILES}")
     if(batches EQUAL 0)
       set(batches 1)
     endif()
@@ -130,10 +135,11 @@ endfunction()
 
 # samara_precompile(<target> <holder> <header> ...)
 #
-# Headers that nearly every source reads, compiled once for all targets that name the same holder: an eighth to a
-# quarter of the time of a file. Their sources are optimised alike, see Eigen's alignment and use fmt. From there GCC 12
-# no longer knows the standard library's headers as such, and warns of them. The preset "dev" does without, so that no
-# source relies on what it does not include, and every warning is seen.
+# Headers that nearly every source reads, compiled once for all targets that name the same holder, or for the target
+# alone, which then holds them itself: an eighth to a quarter of the time of a file. Their sources are optimised alike
+# (GCC takes the level from the precompiled header, whatever the command says), see Eigen's alignment and use fmt. From
+# there GCC 12 no longer knows the standard library's headers as such, and warns of them. The preset "dev" does
+# without, so that no source relies on what it does not include, and every warning is seen.
 function(samara_precompile target holder)
   if(CMAKE_DISABLE_PRECOMPILE_HEADERS)
     return()
@@ -145,16 +151,17 @@ function(samara_precompile target holder)
     if("<fmt/format.h>" IN_LIST ARGN)
       target_link_libraries(${holder} PRIVATE fmt::fmt)
     endif()
-    if("<CLI/CLI.hpp>" IN_LIST ARGN)
-      target_link_libraries(${holder} PRIVATE CLI11::CLI11 nlohmann_json::nlohmann_json)
-    endif()
     target_compile_definitions(${holder} PRIVATE $<TARGET_PROPERTY:samara_eigen,INTERFACE_COMPILE_DEFINITIONS>)
     target_compile_options(${holder} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_OPTIONS>)
     get_target_property(is_independent ${target} POSITION_INDEPENDENT_CODE)
     set_target_properties(${holder} PROPERTIES CXX_STANDARD 20 POSITION_INDEPENDENT_CODE "${is_independent}")
     target_precompile_headers(${holder} PRIVATE ${ARGN})
   endif()
-  target_precompile_headers(${target} REUSE_FROM ${holder})
+  if(holder STREQUAL target)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  else()
+    target_precompile_headers(${target} REUSE_FROM ${holder})
+  endif()
   target_compile_options(${target} PRIVATE
     "$<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread;-Wno-restrict>")
 endfunction()
