@@ -145,16 +145,32 @@ const PlateKind& plate_kind(const std::string& material) {
   return *kind;
 }
 
-std::vector<Capture> plate_drops(const std::filesystem::path& folder, const PlateKind& kind) {
-  const auto sidecar = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "settling_plates.toml";
-  std::vector<Capture> clean;
+namespace {
+
+std::vector<Capture> read_drops(const std::filesystem::path& folder, const PlateKind& kind,
+                                const char* sidecar) {
+  std::vector<Capture> drops;
   for (const char* position : {"pos1", "pos2", "pos3"}) {
     const auto table = folder / fmt::format("{}_1x1_{}.csv", kind.material, position);
-    for (Capture& drop : samara::identification::read_captures(table, sidecar)) {
-      clean.push_back(std::move(drop));
-    }
+    const auto captures = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures";
+    for (Capture& drop : samara::identification::read_captures(table, captures / sidecar))
+      drops.push_back(std::move(drop));
   }
-  return clean;
+  return drops;
+}
+
+}  // namespace
+
+std::vector<Capture> plate_drops(const std::filesystem::path& folder, const PlateKind& kind) {
+  return read_drops(folder, kind, "settling_plates.toml");
+}
+
+std::vector<Capture> flagged_plate_drops(const std::filesystem::path& folder, const PlateKind& kind) {
+  std::vector<Capture> drops = read_drops(folder, kind, "settling_plates_all.toml");
+  const std::vector<Capture> clean = plate_drops(folder, kind);
+  std::erase_if(drops,
+                [&](const Capture& drop) { return std::ranges::count(clean, drop.id, &Capture::id) > 0; });
+  return drops;
 }
 
 Flutter measured_flutter(const std::vector<Capture>& drops, const PlateKind& kind) {

@@ -31,6 +31,10 @@ const PlateKind& plate_kind(const std::string& material);
 std::vector<samara::identification::Capture> plate_drops(const std::filesystem::path& folder,
                                                          const PlateKind& kind);
 
+/// All others of the kind, such as they are.
+std::vector<samara::identification::Capture> flagged_plate_drops(const std::filesystem::path& folder,
+                                                                 const PlateKind& kind);
+
 /// Medians over drops.
 samara::identification::Flutter measured_flutter(const std::vector<samara::identification::Capture>& drops,
                                                  const PlateKind& kind);

@@ -1,6 +1,7 @@
 /// Square plates that settle in water, from positions alone: 0.4 swings beyond a window of one swing, on eight drops
 /// that had no part in the fit of eight others, in three splits drawn with the seeds 1 to 3. A moment is asked about
-/// every third frame. All drops that are not asked about teach the autoregression and the baselines.
+/// every third frame. All drops that are not asked about teach the autoregression and the baselines, and those that the
+/// source's index flags teach the autoregression.
 ///
 /// Cleaning takes out frames far from their neighbours on both sides: windows that are predicted are cleaned without
 /// what came after them.
@@ -59,18 +60,24 @@ double net_weight(const PlateKind& kind) {
   return samara::identification::kStandardG * (1.0 - identification::kWater / kind.density);
 }
 
-/// Windows predicted by a fit of every third one of others.
+/// Coefficients of a fit of every third window.
+identification::Coefficients coefficients_of(const samara::models::TrajectoryFamily& family,
+                                             const FitOptions& options, const std::vector<Window>& windows) {
+  std::vector<Capture> fitted;
+  for (std::size_t k = 0; k < windows.size(); k += 3) fitted.push_back(windows[k].capture);
+  const FitResult result = samara::identification::fit(family, fitted, options);
+  fmt::print(stderr, "  {} windows fitted in {:.1f} s\n", fitted.size(), result.seconds);
+  return identification::values_of(result);
+}
+
+/// Windows predicted by a fit of others.
 std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>& others,
                                const std::vector<Window>& left_out) {
   const auto family = identification::plate_family(kind);
   const FitOptions options = options_of_fit();
-  std::vector<Capture> fitted;
-  for (std::size_t k = 0; k < others.size(); k += 3) fitted.push_back(others[k].capture);
-  const FitResult result = samara::identification::fit(*family, fitted, options);
   const auto predicted =
-      identification::predict_unseen(*family, options, identification::values_of(result), left_out);
-  fmt::print(stderr, "  {} windows fitted in {:.1f} s, {} predicted in {:.1f} s\n", fitted.size(),
-             result.seconds, left_out.size(), predicted.fit.seconds);
+      identification::predict_unseen(*family, options, coefficients_of(*family, options, others), left_out);
+  fmt::print(stderr, "  {} windows predicted in {:.1f} s\n", left_out.size(), predicted.fit.seconds);
   std::vector<AskedMoment> moments;
   for (std::size_t k = 0; k < left_out.size(); ++k)
     moments.push_back(moment_of(left_out[k], number_of(left_out[k]), {},
@@ -78,13 +85,43 @@ std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>&
   return moments;
 }
 
-SplitScores one_split(const std::string& test_case, const std::vector<Capture>& drops, const PlateKind& kind,
-                      int seed) {
+/// Of drops, drawn with a seed: the first ones are fitted, those after them asked about.
+std::vector<std::size_t> order_of(std::size_t count, int seed) {
   pgd::Random random(static_cast<std::uint64_t>(seed));
-  std::vector<std::size_t> order(drops.size());
+  std::vector<std::size_t> order(count);
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
   for (std::size_t k = order.size() - 1; k > 0; --k)
     std::swap(order[k], order[static_cast<std::size_t>(random.below(static_cast<int>(k) + 1))]);
+  return order;
+}
+
+/// Windows of drops with jumps, gaps or doubtful labels, without the jumps: the autoregression learns of them too.
+std::vector<AskedMoment> of_flagged(const std::vector<Capture>& flagged, const PlateKind& kind, int first) {
+  constexpr double kJump = 0.02;  // m, from frame to frame: what the source's index calls one
+  std::vector<AskedMoment> moments;
+  for (std::size_t k = 0; k < flagged.size(); ++k) {
+    const Eigen::MatrixX3d positions = identification::positions_of(flagged[k]);
+    for (const Window& window : identification::cut(flagged[k], kind.frames, kind.ahead, kDense)) {
+      const Eigen::MatrixX3d all = positions.middleRows(window.first, kind.frames + kind.ahead);
+      const Eigen::MatrixX3d steps = all.bottomRows(all.rows() - 1) - all.topRows(all.rows() - 1);
+      if (!(steps.rowwise().norm().maxCoeff() < kJump)) continue;
+      AskedMoment moment = moment_of(window, first + static_cast<int>(k), {}, {}, net_weight(kind));
+      moment.for_autoregression_only = true;
+      moments.push_back(std::move(moment));
+    }
+  }
+  return moments;
+}
+
+/// Measured drops of one kind of plates.
+struct PlateDrops {
+  std::vector<Capture> clean, flagged;
+};
+
+SplitScores one_split(const std::string& test_case, const PlateDrops& of_kind, const PlateKind& kind,
+                      int seed) {
+  const std::vector<Capture>& drops = of_kind.clean;
+  const std::vector<std::size_t> order = order_of(drops.size(), seed);
   const auto cut_every = [&](int stride) {
     return [&kind, stride](const Capture& drop) {
       return identification::cut(drop, kind.frames, kind.ahead, stride);
@@ -107,6 +144,8 @@ SplitScores one_split(const std::string& test_case, const std::vector<Capture>& 
   }
   for (const Window& window : windows_of(drops, known, cut_every(kDense)))
     training.push_back(moment_of(window, number_of(window), {}, {}, net_weight(kind)));
+  for (AskedMoment& moment : of_flagged(of_kind.flagged, kind, static_cast<int>(drops.size())))
+    training.push_back(std::move(moment));
   return score_split(
       fmt::format("{} split {}", test_case, seed), training,
       asked(kind, windows_of(drops, of_fit, cut_every(0)), windows_of(drops, unseen, as_known)));
@@ -119,7 +158,8 @@ void plates_cases(const Options& options) {
     const auto folder = identification::measured_set(options, test_case, "settling-plates-water-cardiff");
     if (!folder) continue;
     const PlateKind& kind = identification::plate_kind(material);
-    const std::vector<Capture> drops = identification::plate_drops(*folder, kind);
+    const PlateDrops drops = {.clean = identification::plate_drops(*folder, kind),
+                              .flagged = identification::flagged_plate_drops(*folder, kind)};
     std::vector<SplitScores> splits;
     for (int seed = 1; seed <= (options.quick ? 1 : kSplits); ++seed)
       splits.push_back(one_split(test_case, drops, kind, seed));
