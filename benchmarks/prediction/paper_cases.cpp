@@ -8,11 +8,10 @@
 /// too.
 #include <fmt/format.h>
 
+#include "bound.h"
 #include "cases.h"
 #include "identification/falling_paper.h"
-#include "samara/base/streams.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/fit/fitted_motion.h"
 #include "scored_split.h"
 
 namespace samara::benchmarks::prediction {
@@ -54,19 +53,24 @@ class Drops {
   std::map<std::string, int> numbers_;
 };
 
-/// Windows predicted by a fit of every second one of others: more of them move the coefficients less than other
-/// drops do.
+/// Coefficients of a fit of every second window: more of them move these less than other drops do.
+identification::Coefficients coefficients_of(const samara::models::TrajectoryFamily& family,
+                                             const FitOptions& options, const std::vector<Window>& windows) {
+  std::vector<Capture> fitted;
+  for (std::size_t k = 0; k < windows.size(); k += 2) fitted.push_back(windows[k].capture);
+  const FitResult result = samara::identification::fit(family, fitted, options);
+  fmt::print(stderr, "  {} windows fitted in {:.1f} s\n", fitted.size(), result.seconds);
+  return identification::values_of(result);
+}
+
+/// Windows predicted by a fit of others.
 std::vector<AskedMoment> asked(const std::vector<Window>& others, const std::vector<Window>& left_out,
                                Drops& drops) {
   const auto family = identification::paper_family();
   const FitOptions options = options_of_fit();
-  std::vector<Capture> fitted;
-  for (std::size_t k = 0; k < others.size(); k += 2) fitted.push_back(others[k].capture);
-  const FitResult result = samara::identification::fit(*family, fitted, options);
   const auto predicted =
-      identification::predict_unseen(*family, options, identification::values_of(result), left_out);
-  fmt::print(stderr, "  {} windows fitted in {:.1f} s, {} predicted in {:.1f} s\n", fitted.size(),
-             result.seconds, left_out.size(), predicted.fit.seconds);
+      identification::predict_unseen(*family, options, coefficients_of(*family, options, others), left_out);
+  fmt::print(stderr, "  {} windows predicted in {:.1f} s\n", left_out.size(), predicted.fit.seconds);
   std::vector<AskedMoment> moments;
   for (std::size_t k = 0; k < left_out.size(); ++k) {
     moments.push_back(moment_of(left_out[k], drops.number(left_out[k]), known_of(left_out[k]),
@@ -126,38 +130,23 @@ SplitScores one_split(const std::string& test_case, const std::vector<std::vecto
 
 constexpr const char* kBound = "paper_bound";
 
-/// What a perfect model could reach: windows of motions that the body made itself, with the source's noise and its
-/// mean over five frames, predicted by the same body with the same coefficients. What is left is the start, which
-/// positions alone must show. Bodies are the discs that stand for the sheets of a shape, and fall as these began to.
+/// Bodies are the discs that stand for the sheets of a shape, fitted to the windows of the first split. The source has
+/// means over five frames.
 void bound_of(const std::string& shape, const std::string& plural, const std::filesystem::path& folder) {
-  constexpr double kJitter = 0.2e-3;  // m, of the source's smoothed frames
-  const identification::Coefficients coefficients = {
-      {"C_D0", 0.06}, {"C_D90", 5.1}, {"C_R", 0.95}, {"C_T", 0.6}, {"C_w", 1.5}};  // about those of the discs
+  constexpr int kTaught = 10, kMade = 8;  // frames from window to window
+  const std::vector<Capture> all = identification::paper_drops(folder, shape);
+  const auto split = [&](int stride) { return identification::split(all, kDrops, kFrames, 1, stride); };
   const auto family = identification::paper_family();
-  const FitOptions body = options_of_fit();
-  std::vector<Window> windows =
-      identification::split(identification::paper_drops(folder, shape), kDrops, kFrames, 1).unseen;
-  const auto states = identification::predict_unseen(*family, body, coefficients, windows);
-  const FitOptions held = identification::with_coefficients(body, coefficients);
-  std::vector<Window> made;
-  for (std::size_t k = 0; k < windows.size(); ++k) {
-    Window window = windows[k];
-    const Eigen::VectorXd& times = window.capture.times;
-    const auto motion = samara::identification::fitted_motion(*family, held, states.fit, k,
-                                                              {times.begin(), times.end()}, {"x", "y", "z"});
-    window.next = states.next.row(static_cast<Eigen::Index>(k));
-    if (!motion || !window.next.allFinite()) continue;
-    Stream stream(28, k);
-    for (samara::identification::Channel& channel : window.capture.channels) {
-      if (channel.unit != "m") continue;
-      channel.values = motion->col(channel.quantity[0] - 'x');
-      for (double& value : channel.values) value += kJitter * stream.normal();
-    }
-    made.push_back(std::move(window));
-  }
-  const std::vector<double> errors = identification::predict_unseen(*family, body, coefficients, made).errors;
-  print({kBench, kBound, "median_" + plural, identification::median_of(errors), "m"});
-  print({kBench, kBound, "rms_" + plural, identification::rms_of(errors), "m"});
+  const FitOptions options = options_of_fit();
+  Drops drops;
+  Bound bound{.family = family.get(), .options = options};
+  bound.coefficients = coefficients_of(*family, options, split(0).fitted);
+  bound.averaged = options.compared.averaged_frames;
+  bound.noise = noise_of(all, bound.averaged);
+  bound.moment_of = [&](const Window& window, const Eigen::RowVectorXd& model) {
+    return moment_of(window, drops.number(window), known_of(window), model);
+  };
+  report_bound(kBound, "_" + plural, bound, split(kTaught).fitted, split(kMade).unseen);
 }
 
 struct Shape {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "bound.h"
 #include "cases.h"
 #include "identification/settling_plates.h"
 #include "samara/identification/fit/fit.h"
@@ -151,10 +152,36 @@ SplitScores one_split(const std::string& test_case, const PlateDrops& of_kind, c
       asked(kind, windows_of(drops, of_fit, cut_every(0)), windows_of(drops, unseen, as_known)));
 }
 
+constexpr const char* kBound = "plates_bound";
+
+/// Of the drops of the first split.
+void bound_of(const std::string& name, const std::vector<Capture>& drops, const PlateKind& kind) {
+  const std::vector<std::size_t> order = order_of(drops.size(), 1);
+  const std::span<const std::size_t> of_fit = std::span(order).first(std::min(kDrops, order.size())),
+                                     unseen = std::span(order).subspan(of_fit.size());
+  const auto windows = [&](std::span<const std::size_t> of, int stride) {
+    return windows_of(drops, of.first(std::min(kDrops, of.size())), [&](const Capture& drop) {
+      return identification::cut(drop, kind.frames, kind.ahead, stride);
+    });
+  };
+  const auto family = identification::plate_family(kind);
+  Bound bound{.family = family.get(), .options = options_of_fit(), .noise = noise_of(drops)};
+  bound.coefficients = coefficients_of(*family, bound.options, windows(of_fit, 0));
+  bound.moment_of = [&](const Window& window, const Eigen::RowVectorXd& model) {
+    return moment_of(window, number_of(window), {}, model, net_weight(kind));
+  };
+  report_bound(kBound, "_" + name, bound, windows(of_fit, kFitted), windows(unseen, kFitted));
+}
+
+struct Material {
+  std::string name, test_case, suffix;
+};
+const std::vector<Material> kMaterials = {{"POM", "plates_pom", "pom"}, {"PTFE", "plates_ptfe", "ptfe"}};
+
 }  // namespace
 
 void plates_cases(const Options& options) {
-  for (const auto& [material, test_case] : {std::pair{"POM", "plates_pom"}, {"PTFE", "plates_ptfe"}}) {
+  for (const auto& [material, test_case, suffix] : kMaterials) {
     const auto folder = identification::measured_set(options, test_case, "settling-plates-water-cardiff");
     if (!folder) continue;
     const PlateKind& kind = identification::plate_kind(material);
@@ -164,6 +191,11 @@ void plates_cases(const Options& options) {
     for (int seed = 1; seed <= (options.quick ? 1 : kSplits); ++seed)
       splits.push_back(one_split(test_case, drops, kind, seed));
     report(test_case, splits);
+  }
+  const auto folder = identification::measured_set(options, kBound, "settling-plates-water-cardiff");
+  for (const auto& [material, test_case, suffix] : kMaterials) {
+    const PlateKind& kind = identification::plate_kind(material);
+    if (folder) bound_of(suffix, identification::plate_drops(*folder, kind), kind);
   }
 }
 

@@ -110,10 +110,10 @@ SplitScores score_split(const std::string& name, const std::vector<Questioned>& 
   return result;
 }
 
-void report(const std::string& test_case, const std::vector<SplitScores>& splits) {
+void report(const std::string& test_case, const std::vector<SplitScores>& splits, const std::string& suffix) {
   /// @returns the split in which ours is worst
   const auto worst_by = [&](const std::string& metric, double PredictionScore::*score) -> const SplitScores& {
-    Measurement worst{kBench, test_case, metric, 0.0, "m", "best_plain"};
+    Measurement worst{kBench, test_case, metric + suffix, 0.0, "m", "best_plain"};
     const SplitScores* where = nullptr;
     for (const SplitScores& split : splits) {
       const double ours = split.of.at(kOurs).*score;
@@ -133,7 +133,7 @@ void report(const std::string& test_case, const std::vector<SplitScores>& splits
   const auto beside = [&](const char* metric, const SplitScores& split, const char* predictor,
                           double PredictionScore::*score) {
     const double value = split.of.at(predictor).*score;
-    print({kBench, test_case, metric, value, "m", kOurs, split.of.at(kOurs).*score / value});
+    print({kBench, test_case, metric + suffix, value, "m", kOurs, split.of.at(kOurs).*score / value});
   };
   beside("median_without_body", by_median, kWithoutBody, &PredictionScore::median);
   beside("crps_without_body", by_crps, kWithoutBody, &PredictionScore::crps);
@@ -145,7 +145,7 @@ void report(const std::string& test_case, const std::vector<SplitScores>& splits
     const double here = split.of.at(kOurs).coverage90;
     if (std::abs(here - 0.9) > std::abs(coverage - 0.9)) coverage = here;
   }
-  print({kBench, test_case, "coverage90", coverage});
+  print({kBench, test_case, "coverage90" + suffix, coverage});
 }
 
 }  // namespace samara::benchmarks::prediction
