@@ -47,6 +47,24 @@ struct FrameAhead {
   Eigen::Index frame;
 };
 
+/// Of many horizons, those that others can be told from.
+void thin_out(std::map<long, std::vector<FrameAhead>>& frames) {
+  constexpr int kNear = 16;
+  constexpr double kFarther = 1.0 + 1.0 / 7.0;
+  long kept = 0;
+  int count = 0;
+  for (auto one = frames.begin(); one != frames.end();) {
+    const bool is_last = std::next(one) == frames.end();
+    if (count < kNear || is_last || static_cast<double>(one->first) >= kFarther * static_cast<double>(kept)) {
+      kept = one->first;
+      ++count;
+      ++one;
+    } else {
+      one = frames.erase(one);
+    }
+  }
+}
+
 /// Frames by how many of the shortest intervals they lie ahead.
 std::map<long, std::vector<FrameAhead>> frames_by_horizon(std::span<const CapturePrediction> predictions) {
   std::map<long, std::vector<FrameAhead>> frames;
@@ -62,7 +80,29 @@ std::map<long, std::vector<FrameAhead>> frames_by_horizon(std::span<const Captur
   std::ptrdiff_t most = 0;
   for (const auto& [horizon, of_horizon] : frames) most = std::max(most, count(of_horizon));
   std::erase_if(frames, [&](const auto& of_horizon) { return 2 * count(of_horizon.second) < most; });
+  thin_out(frames);
   return frames;
+}
+
+/// The last place that was seen.
+Eigen::RowVectorXd last_place(const SeenMotion& seen) {
+  Eigen::Index last = seen.positions.rows() - 1;
+  while (last > 0 && !seen.positions.row(last).allFinite()) --last;
+  return seen.positions.row(last);
+}
+
+/// Of two predictors of one place, the second's part.
+SaidForecast between(const SaidForecast& one, const SaidForecast& other, double part) {
+  if (!one.mean.allFinite() || one.parts.empty()) return other;
+  if (!other.mean.allFinite() || other.parts.empty()) return one;
+  SaidForecast said{.predictor = one.predictor, .mean = (1.0 - part) * one.mean + part * other.mean};
+  for (std::size_t c = 0; c < one.parts.size(); ++c) {
+    const NormalMixture &a = one.parts[c], &b = other.parts[c];
+    said.parts.push_back({(1.0 - part) * a.weights + part * b.weights,
+                          (1.0 - part) * a.means + part * b.means,
+                          (1.0 - part) * a.deviations + part * b.deviations});
+  }
+  return said;
 }
 
 }  // namespace
@@ -104,9 +144,33 @@ std::vector<SaidForecast> MotionForecasts::say(std::size_t quantity, const Captu
   const std::vector<Horizon>& horizons = trained_[quantity];
   if (horizons.empty()) return {};
   const double ahead = ahead_of(one, frame);
+  const AskedMoment moment = asked(one, compared_[quantity], frame, -1);
+  constexpr double kSame = 1e-6;
   const auto nearest =
       std::ranges::min_element(horizons, {}, [&](const Horizon& h) { return std::abs(h.ahead - ahead); });
-  return nearest->trained.say(asked(one, compared_[quantity], frame, -1));
+  const auto far = std::ranges::find_if(horizons, [&](const Horizon& h) { return h.ahead > ahead; });
+  const bool is_outside = far == horizons.begin() || far == horizons.end();
+  if (is_outside || std::abs(nearest->ahead - ahead) < kSame * ahead) return nearest->trained.say(moment);
+  const auto near = std::prev(far);
+  const double part = (ahead - near->ahead) / (far->ahead - near->ahead);
+  const Eigen::RowVectorXd last = last_place(moment.moment.seen);
+  const auto velocity_to = [&](const Horizon& horizon) {
+    const TrainingMoment& from = moment.moment;
+    const Eigen::RowVectorXd there = horizon.trained.autoregression().predict(from.seen, from.known);
+    return Eigen::RowVectorXd((there - last) / horizon.ahead);
+  };
+  const Eigen::RowVectorXd place =
+      last + ahead * ((1.0 - part) * velocity_to(*near) + part * velocity_to(*far));
+  std::vector<SaidForecast> said = near->trained.say(moment, place);
+  const std::vector<SaidForecast> farther = far->trained.say(moment, place);
+  for (std::size_t p = 0; p < said.size(); ++p) said[p] = between(said[p], farther[p], part);
+  return said;
+}
+
+std::vector<double> MotionForecasts::horizons(std::size_t quantity) const {
+  std::vector<double> ahead;
+  for (const Horizon& one : trained_[quantity]) ahead.push_back(one.ahead);
+  return ahead;
 }
 
 std::string MotionForecasts::shares(std::size_t quantity) const {

@@ -31,7 +31,12 @@ SeenMotion seen_of(const CapturePrediction& one, const Quantity& quantity);
 
 /// Of each quantity but the attitude and those with a period, for each horizon by itself: frames that lie equally far
 /// beyond the last one seen, to half of the shortest frame interval. Horizons that fewer than half as many training
-/// frames show as the best of them are left out; a frame there is forecast with what the nearest one taught.
+/// frames show as the best of them are left out. Of the others the first 16 are trained, then only those a seventh
+/// farther than the one before, and the last: hundreds cost no more than dozens.
+///
+/// A frame between two horizons is forecast by both: the autoregression's mean velocity on the way there is
+/// interpolated (exact where motions have constant accelerations), and so are the mixtures and all distributions. A
+/// frame outside is forecast by the nearest one.
 class MotionForecasts {
  public:
   /// @param predictions of training captures, each by a fit that has not seen it; those without a model teach the
@@ -42,6 +47,9 @@ class MotionForecasts {
   /// What every predictor says of a frame ahead, in the order of TrainedForecasts::say(); nothing for
   /// quantities without forecasts.
   std::vector<SaidForecast> say(std::size_t quantity, const CapturePrediction& one, Eigen::Index frame) const;
+
+  /// s, those that are trained.
+  std::vector<double> horizons(std::size_t quantity) const;
 
   /// A sentence with the shares at the end of the way; empty if there are none.
   std::string shares(std::size_t quantity) const;

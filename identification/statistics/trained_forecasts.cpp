@@ -80,15 +80,9 @@ double way_of(const AskedMoment& asked) {
   return times.size() > 0 ? asked.time - times[times.size() - 1] : kSilence;
 }
 
-}  // namespace
-
-bool is_plain(const std::string& predictor) {
-  return predictor == kMixtureOfBaselines ||
-         std::ranges::any_of(all_baselines(), [&](Baseline one) { return to_string(one) == predictor; });
-}
-
-std::vector<Eigen::MatrixXd> TrainedForecasts::said_by_all(std::span<const AskedMoment> moments,
-                                                           bool in_training) const {
+/// What the predictors that are not mixtures say: model, baselines, and in the last place the autoregression, which is
+/// silent here; a row a moment.
+std::vector<Eigen::MatrixXd> said_by_baselines(std::span<const AskedMoment> moments) {
   const std::size_t count = all_baselines().size() + 2;
   const Eigen::Index columns = moments.empty() ? 0 : moments.front().moment.seen.positions.cols();
   std::vector<Eigen::MatrixXd> said(count, Eigen::MatrixXd(std::ssize(moments), columns));
@@ -101,11 +95,16 @@ std::vector<Eigen::MatrixXd> TrainedForecasts::said_by_all(std::span<const Asked
     for (std::size_t b = 0; b < all_baselines().size(); ++b)
       said[b + 1].row(row) =
           predict(all_baselines()[b], moment.seen, Eigen::VectorXd::Constant(1, time)).row(0);
-    said.back().row(row) = in_training
-                               ? autoregression_.predict_without(moment.cluster, moment.seen, moment.known)
-                               : autoregression_.predict(moment.seen, moment.known);
+    said.back().row(row) = silent(columns);
   }
   return said;
+}
+
+}  // namespace
+
+bool is_plain(const std::string& predictor) {
+  return predictor == kMixtureOfBaselines ||
+         std::ranges::any_of(all_baselines(), [&](Baseline one) { return to_string(one) == predictor; });
 }
 
 std::vector<Eigen::MatrixXd> TrainedForecasts::heard_by_mixtures(const AskedMoment& asked,
@@ -139,7 +138,11 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> all_moment
     all.push_back(std::ssize(all));
     moments.push_back(one);
   }
-  const std::vector<Eigen::MatrixXd> said = result.said_by_all(moments, true);
+  std::vector<Eigen::MatrixXd> said = said_by_baselines(moments);
+  for (const Eigen::Index row : all) {
+    const TrainingMoment& one = moments[static_cast<std::size_t>(row)].moment;
+    said.back().row(row) = autoregression.predict_without(one.cluster, one.seen, one.known);
+  }
   result.gains_.assign(all_baselines().size(), 0.0);
   result.shortest_way_ = std::numeric_limits<double>::infinity();
   for (const AskedMoment& one : moments) {
@@ -197,7 +200,13 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> all_moment
 }
 
 std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked) const {
-  const std::vector<Eigen::MatrixXd> said = said_by_all(std::span(&asked, 1), false);
+  return say(asked, autoregression_.predict(asked.moment.seen, asked.moment.known));
+}
+
+std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked,
+                                                const Eigen::RowVectorXd& autoregression) const {
+  std::vector<Eigen::MatrixXd> said = said_by_baselines(std::span(&asked, 1));
+  said.back().row(0) = autoregression;
   std::vector<SaidForecast> forecasts;
   const auto add = [&](std::string predictor, const Eigen::RowVectorXd& mean, double disagreement) {
     const ErrorDistribution& errors = errors_[forecasts.size()];

@@ -61,6 +61,8 @@ class TrainedForecasts {
 
   /// In the order: model, baselines, mixture of baselines, autoregression, mixture.
   std::vector<SaidForecast> say(const AskedMoment& asked) const;
+  /// The same, with another's word for the autoregression's.
+  std::vector<SaidForecast> say(const AskedMoment& asked, const Eigen::RowVectorXd& autoregression) const;
 
   /// Of the mixture over all training moments, by predictor: those that are more than 0.
   struct Share {
@@ -73,8 +75,6 @@ class TrainedForecasts {
   /// What mixtures hear of one moment: silence from those that are not as sure as in training.
   std::vector<Eigen::MatrixXd> heard_by_mixtures(const AskedMoment& asked,
                                                  std::vector<Eigen::MatrixXd> said) const;
-  /// What the predictors that are not mixtures say: model, baselines, autoregression; a row a moment.
-  std::vector<Eigen::MatrixXd> said_by_all(std::span<const AskedMoment> moments, bool in_training) const;
 
   Components components_ = {};
   Autoregression autoregression_ = {};

@@ -112,8 +112,9 @@ TEST_CASE("frames after the origin of a forecast change no bit of it, from file 
 namespace {
 
 /// A forecast of a place in space with all that shows of it, at horizons of its own.
+/// @param kicked times the acceleration after the origin that nothing before it shows
 CapturePrediction made(int cluster, const std::vector<double>& ahead, double drift, double model_error,
-                       samara::Stream& stream) {
+                       samara::Stream& stream, double kicked = 1.0) {
   constexpr int kFrames = 20;
   CapturePrediction one{.motion = fmt::format("{}", cluster), .cluster = cluster};
   one.seen.times = Eigen::VectorXd::LinSpaced(kFrames, 0.0, 0.01 * (kFrames - 1));
@@ -123,7 +124,7 @@ CapturePrediction made(int cluster, const std::vector<double>& ahead, double dri
   const double last = one.seen.times[kFrames - 1];
   const auto place = [&](double t) {
     const double since = std::max(0.0, t - last);  // which only the model foresees
-    return Eigen::RowVector3d(velocity * t + bend * t * t + kick * since * since);
+    return Eigen::RowVector3d(velocity * t + bend * t * t + kicked * kick * since * since);
   };
   one.seen.positions.resize(kFrames, 3);
   for (int k = 0; k < kFrames; ++k) {
@@ -177,6 +178,48 @@ TEST_CASE("shares of each horizon are those that its own training frames show") 
   // A horizon that one training frame shows is forecast as the nearest one: by the model.
   const CapturePrediction further = made(200, {0.02, 0.3, 0.6, 0.6}, 5.0, 0.0, stream);
   CHECK((mean_of(trained.say(0, further, 2), "mixture") - further.truth.row(2)).norm() < 0.05);
+}
+
+TEST_CASE("of hundreds of horizons dozens are trained, and between them forecasts are as good") {
+  samara::Stream stream(28, 1);
+  std::vector<double> ahead;
+  for (int k = 1; k <= 200; ++k) ahead.push_back(0.01 * k);
+  std::vector<CapturePrediction> training;
+  for (int k = 0; k < 40; ++k) training.push_back(made(k, ahead, 1.0, 0.0, stream, 0.0));
+  const MotionForecasts trained(kPlace, training, {.span = 0.2, .ahead = 2.0});
+  const std::vector<double> horizons = trained.horizons(0);
+  CHECK(horizons.size() < 40);
+  CHECK(horizons.front() == Approx(0.01));
+  CHECK(horizons.back() == Approx(2.0));
+  const auto is_trained = [&](double at) {
+    return std::ranges::any_of(horizons, [&](double one) { return std::abs(one - at) < 1e-6; });
+  };
+  // Errors of the autoregression, and deviations of the mixture.
+  std::vector<double> errors(ahead.size(), 0.0), deviations(ahead.size(), 0.0);
+  for (int k = 100; k < 120; ++k) {
+    const CapturePrediction one = made(k, ahead, 1.0, 0.0, stream, 0.0);
+    for (std::size_t frame = 0; frame < ahead.size(); ++frame) {
+      const auto row = static_cast<Eigen::Index>(frame);
+      const std::vector<SaidForecast> said = trained.say(0, one, row);
+      errors[frame] += (mean_of(said, kAutoregression) - one.truth.row(row)).norm();
+      REQUIRE(said.back().parts.size() == 3);
+      deviations[frame] += said.back().parts[0].deviations.mean();
+    }
+  }
+  std::size_t near = 0;
+  for (std::size_t frame = 0; frame < ahead.size(); ++frame) {
+    if (is_trained(ahead[frame])) {
+      near = frame;
+      continue;
+    }
+    std::size_t far = frame;
+    while (!is_trained(ahead[far])) ++far;
+    INFO("frame " << frame << " between " << near << " and " << far);
+    // Motions are parabolas: what is interpolated adds nothing to the errors of both sides.
+    CHECK(errors[frame] < 1.01 * std::max(errors[near], errors[far]));
+    CHECK(deviations[frame] <= 1.001 * std::max(deviations[near], deviations[far]));
+    CHECK(deviations[frame] >= 0.999 * std::min(deviations[near], deviations[far]));
+  }
 }
 
 TEST_CASE("no later frame changes a bit of what any predictor says, mixtures and distributions among them") {
