@@ -188,6 +188,12 @@ void PredictedCaptures::add_lack(const std::string& reason, const std::vector<st
   named.insert(named.end(), captures.begin(), captures.end());
 }
 
+void PredictedCaptures::add_sentences(const std::vector<std::string>& others) {
+  for (const std::string& sentence : others) {
+    if (std::ranges::count(sentences, sentence) == 0) sentences.push_back(sentence);
+  }
+}
+
 void PredictedCaptures::add(PredictedCaptures other) {
   if (!other.compared.empty()) compared = std::move(other.compared);
   int first = 0;
@@ -200,7 +206,7 @@ void PredictedCaptures::add(PredictedCaptures other) {
     }
   }
   for (const auto& [reason, captures] : other.lacks) add_lack(reason, captures);
-  for (std::string& sentence : other.sentences) sentences.push_back(std::move(sentence));
+  add_sentences(other.sentences);
   for (std::string& sentence : other.shares) shares.push_back(std::move(sentence));
 }
 

@@ -28,6 +28,8 @@ struct PredictedCaptures {
   std::vector<CapturePrediction> along = {};
 
   void add_lack(const std::string& reason, const std::vector<std::string>& captures);
+  /// What was said already is not said again.
+  void add_sentences(const std::vector<std::string>& others);
   /// @param other of other clusters, which go on in number
   void add(PredictedCaptures other);
 };

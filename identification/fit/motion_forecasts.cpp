@@ -173,6 +173,37 @@ std::vector<double> MotionForecasts::horizons(std::size_t quantity) const {
   return ahead;
 }
 
+std::vector<std::string> MotionForecasts::lacks(double reach) const {
+  constexpr double kReached = 0.9;
+  std::map<std::string, std::string> names;  // by what is said of them
+  for (std::size_t q = 0; q < compared_.size(); ++q) {
+    if (compared_[q].is_attitude || compared_[q].period != 0.0) continue;
+    std::string said;
+    if (trained_[q].empty() || !trained_[q].back().trained.is_mixed()) {
+      said = fmt::format(
+          "says nothing: of no capture of the fit is there a forecast by a fit of others and what came after "
+          "it; "
+          "captures longer than the {:.4g} s that are seen were expected",
+          prediction_.span);
+    } else if (trained_[q].back().ahead < kReached * reach) {
+      said = fmt::format(
+          "has learned {:.4g} s ahead at most, and is asked {:.4g} s ahead: there its bands are those of "
+          "nearer "
+          "frames; captures of the fit that show as much after the {:.4g} s that are seen were expected",
+          trained_[q].back().ahead, reach, prediction_.span);
+    } else if (!trained_[q].back().trained.has_band()) {
+      said = "has no bands: of captures of the fit there are fewer than 3 forecasts";
+    }
+    if (said.empty()) continue;
+    std::string& of_these = names[said];
+    of_these += (of_these.empty() ? "" : ", ") + compared_[q].name;
+  }
+  std::vector<std::string> sentences;
+  for (const auto& [said, of_these] : names)
+    sentences.push_back(fmt::format("the mixture of {} {}", of_these, said));
+  return sentences;
+}
+
 std::string MotionForecasts::shares(std::size_t quantity) const {
   if (trained_[quantity].empty()) return {};
   std::string shares;

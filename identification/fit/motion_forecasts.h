@@ -51,6 +51,10 @@ class MotionForecasts {
   /// s, those that are trained.
   std::vector<double> horizons(std::size_t quantity) const;
 
+  /// Sentences: which mixtures say nothing, have no distributions, or have learned of nearer frames alone, and why.
+  /// @param reach s, of the last frame that is asked about
+  std::vector<std::string> lacks(double reach) const;
+
   /// A sentence with the shares at the end of the way; empty if there are none.
   std::string shares(std::size_t quantity) const;
 

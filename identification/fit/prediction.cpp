@@ -100,6 +100,8 @@ void train(const models::TrajectoryFamily& family, std::span<const Capture> trai
   const auto trained =
       std::make_shared<const MotionForecasts>(outcome.compared, shown.predictions, prediction);
   for (CapturePrediction& one : outcome.predictions) one.trained = trained;
+  if (!outcome.predictions.empty())
+    outcome.add_sentences(trained->lacks(reach_of(outcome.predictions, prediction)));
   for (std::size_t q = 0; q < outcome.compared.size(); ++q) {
     if (std::string shares = trained->shares(q); !shares.empty()) outcome.shares.push_back(std::move(shares));
   }

@@ -64,6 +64,11 @@ class TrainedForecasts {
   /// The same, with another's word for the autoregression's.
   std::vector<SaidForecast> say(const AskedMoment& asked, const Eigen::RowVectorXd& autoregression) const;
 
+  /// Whether there is a mixture: some training moment had a model, and all others spoke there.
+  bool is_mixed() const { return shares_.of_all().size() > 0; }
+  /// Whether the mixture has a distribution.
+  bool has_band() const { return !errors_.empty() && errors_.back().is_fitted(); }
+
   /// Of the mixture over all training moments, by predictor: those that are more than 0.
   struct Share {
     std::string predictor;

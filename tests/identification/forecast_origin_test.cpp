@@ -222,6 +222,38 @@ TEST_CASE("of hundreds of horizons dozens are trained, and between them forecast
   }
 }
 
+TEST_CASE("a mixture that training taught nothing, or of nearer frames alone, is named with the reason") {
+  samara::Stream stream(28, 2);
+  const std::vector<double> ahead = {0.02, 0.3};
+  std::vector<CapturePrediction> training;
+  for (int k = 0; k < 12; ++k) training.push_back(made(k, ahead, 5.0, 0.5, stream));
+  const PredictionOptions prediction{.span = 0.2, .ahead = 0.3};
+  CHECK(MotionForecasts(kPlace, training, prediction).lacks(0.3).empty());
+  const std::vector<std::string> nearer = MotionForecasts(kPlace, training, prediction).lacks(0.6);
+  REQUIRE(nearer.size() == 1);
+  CHECK_THAT(nearer[0], Catch::Contains("the mixture of position has learned 0.3 s ahead at most") &&
+                            Catch::Contains("asked 0.6 s ahead"));
+  const auto lacks_of = [&](std::size_t count) {
+    return MotionForecasts(kPlace, std::span(training).first(count), prediction).lacks(0.3).at(0);
+  };
+  CHECK_THAT(lacks_of(0), Catch::Contains("the mixture of position says nothing"));
+  CHECK_THAT(lacks_of(1), Catch::Contains("the mixture of position has no bands"));
+
+  // Captures of the fit that end where those left out are no longer seen.
+  const BrakedFamily family;
+  const std::vector<Capture> whole = braked(0, 6, 2e-3), left_out = braked(9, 3, 2e-3);
+  std::vector<Capture> seen;
+  for (const Capture& capture : whole) seen.push_back(known_at(capture, kSpan));
+  FitResult fitted = fit(family, seen, plain());
+  add_predictions(family, left_out, plain(), {.span = kSpan, .ahead = kAhead, .mixture = true}, fitted, seen);
+  const auto says = [](const FitResult& result) {
+    return std::ranges::count_if(result.warnings.sentences(), [](const std::string& sentence) {
+      return sentence.starts_with("the mixture of position says nothing");
+    });
+  };
+  CHECK(says(fitted) == 1);
+}
+
 TEST_CASE("no later frame changes a bit of what any predictor says, mixtures and distributions among them") {
   const TestFiles files;
   const BrakedFamily family;
