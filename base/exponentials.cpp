@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "samara/base/logarithm.h"
+
 namespace samara {
 
 namespace {
@@ -42,19 +44,30 @@ double exponential(double x) {
   return x > kMost ? std::numeric_limits<double>::infinity() : from_below;
 }
 
-}  // namespace
-
-void take_exponentials(std::span<double> x) {
+/// one(x) in place of each x; those that fill no eight are computed among others, so that all take one way.
+template <class One>
+void take_all(std::span<double> x, const One& one) {
   double* const from = x.data();
   const std::size_t whole = x.size() / kAtOnce * kAtOnce;
   for (std::size_t first = 0; first < whole; first += kAtOnce) {
-    for (std::size_t i = 0; i < kAtOnce; ++i) from[first + i] = exponential(from[first + i]);
+    for (std::size_t i = 0; i < kAtOnce; ++i) from[first + i] = one(from[first + i]);
   }
   if (whole == x.size()) return;
-  double last[kAtOnce] = {};
+  double last[kAtOnce];
+  std::fill_n(last, kAtOnce, 1.0);
   std::copy(from + whole, from + x.size(), last);
-  for (double& value : last) value = exponential(value);
+  for (double& value : last) value = one(value);
   std::copy_n(last, x.size() - whole, from + whole);
+}
+
+}  // namespace
+
+void take_exponentials(std::span<double> x) {
+  take_all(x, [](double value) { return exponential(value); });
+}
+
+void take_logarithms(std::span<double> x) {
+  take_all(x, [](double value) { return log_of(value); });
 }
 
 }  // namespace samara

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "samara/base/logarithm.h"
+
 /// Normal numbers in loops that the compiler makes SIMD code of: no branches, no calls. Each lane does the same
 /// operations whatever the machine, so that the bits do not depend on the width, nor on whether one is asked for or many.
 namespace samara {
@@ -48,24 +50,6 @@ void mix(Word (&c)[4][kLanes], std::uint32_t key_0, std::uint32_t key_1) {
 /// In (0, 1), by steps of 2^-32. (By way of 2^52 + bits, whose own bits need no conversion.)
 double open_uniform(Word bits) {
   return (std::bit_cast<double>(bits | 0x4330000000000000) - (0x1.0p52 - 0.5)) * 0x1.0p-32;
-}
-
-/// Natural logarithm of a positive normal number, to one unit in the last place: x = 2^e (1 + f), and the series of
-/// log((1 + s)/(1 - s)), s = f/(2 + f) (Sun Microsystems, fdlibm, e_log.c).
-double log_of(double x) {
-  constexpr std::uint64_t kLeast = 0x3fe6a09e667f3bcd;  // sqrt(1/2)
-  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x) + (0x3ff0000000000000 - kLeast);
-  const double e = static_cast<double>(static_cast<std::int32_t>(bits >> 52) - 0x3ff);
-  const double f = std::bit_cast<double>((bits & 0x000fffffffffffff) + kLeast) - 1.0;
-  const double s = f / (2.0 + f), z = s * s, w = z * z;
-  const double even =
-      w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
-  const double odd =
-      z * (6.666666666666735130e-01 +
-           w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01)));
-  const double half_square = 0.5 * f * f;
-  return e * 6.93147180369123816490e-01 -
-         ((half_square - (s * (half_square + (even + odd)) + e * 1.90821492927058770002e-10)) - f);
 }
 
 struct Direction {

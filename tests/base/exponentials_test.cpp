@@ -10,6 +10,7 @@
 #include "samara/base/streams.h"
 
 using samara::take_exponentials;
+using samara::take_logarithms;
 
 namespace {
 
@@ -18,13 +19,17 @@ std::vector<double> exponentials_of(std::vector<double> x) {
   return x;
 }
 
-/// From the exponential in extended precision, in units in the last place of a double.
-double distance(double value, double x) {
-  const long double exact = std::exp(static_cast<long double>(x));
+/// In units in the last place of a double.
+double apart(double value, long double exact) {
   int exponent = 0;
   std::frexp(static_cast<double>(exact), &exponent);
   return static_cast<double>(std::abs(static_cast<long double>(value) - exact) /
                              std::ldexp(1.0L, exponent - std::numeric_limits<double>::digits));
+}
+
+/// From the exponential in extended precision.
+double distance(double value, double x) {
+  return apart(value, std::exp(static_cast<long double>(x)));
 }
 
 }  // namespace
@@ -66,4 +71,25 @@ TEST_CASE("an exponential has the same bits alone and among any others") {
   const std::vector<double> together = exponentials_of(x);
   for (std::size_t i = 0; i < x.size(); ++i) CHECK(exponentials_of({x[i]})[0] == together[i]);
   CHECK(exponentials_of({}).empty());
+}
+
+TEST_CASE("logarithms are within a unit in the last place, alone and among any others") {
+  samara::Stream random(5, 1);
+  for (const double range : {1e-9, 1e-3, 0.7, 50.0, 700.0}) {
+    std::vector<double> x(100003);
+    for (double& one : x) one = std::exp(range * (2.0 * random.uniform() - 1.0));
+    std::vector<double> found = x;
+    take_logarithms(found);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      worst = std::max(worst, apart(found[i], std::log(static_cast<long double>(x[i]))));
+    INFO("up to e^" << range);
+    CHECK(worst < 1.0);
+    std::vector<double> alone = {x[7]};
+    take_logarithms(alone);
+    CHECK(alone[0] == found[7]);
+  }
+  std::vector<double> one = {1.0};
+  take_logarithms(one);
+  CHECK(one[0] == 0.0);
 }
