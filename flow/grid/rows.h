@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "samara/base/parallel.h"
 #include "samara/flow/grid/mac_grid.h"
@@ -10,6 +11,43 @@
 /// Loops over the rows of a grid. What they compute does not depend on the number of threads: a row is worked on by
 /// one thread, and sums over rows are added in the order of the rows.
 namespace samara::flow {
+
+/// Eight numbers that machines compute at once; with shorter registers they take several. What follows is inlined, so that
+/// none is ever handed over between sources that are built for different machines.
+using Eight = double __attribute__((vector_size(64)));
+inline constexpr Index kEight = 8;
+
+/// A number, or eight neighbours.
+template <class V>
+[[gnu::always_inline]] inline V load(const double* from) {
+  V value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+template <class V>
+[[gnu::always_inline]] inline void store(const V& value, double* to) {
+  std::memcpy(to, &value, sizeof value);
+}
+
+template <class V>
+[[gnu::always_inline]] inline V larger(const V& a, const V& b) {
+  return a > b ? a : b;
+}
+
+inline double sum_of(const double (&lanes)[kEight]) {
+  double sum = 0.0;
+  for (const double value : lanes) sum += value;
+  return sum;
+}
+
+/// body.operator()<V>(place) for all from `begin` to `end`: eight places at a time as Eight, what is left as double.
+template <class Body>
+[[gnu::always_inline]] inline void by_eights(Index begin, Index end, const Body& body) {
+  Index c = begin;
+  for (; c + kEight <= end; c += kEight) body.template operator()<Eight>(c);
+  for (; c < end; ++c) body.template operator()<double>(c);
+}
 
 /// body(place of the first entry of a row, its number among the rows) for every row of the range.
 template <class Body>

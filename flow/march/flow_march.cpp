@@ -185,24 +185,7 @@ void FlowMarch::set_turbulence(double k, double epsilon) {
 
 double FlowMarch::allowed_step() {
   const MacGrid& grid = setup_.grid;
-  const double rate = sums_.maximum(grid, [&](Index row) {
-    double largest = 0.0;
-    for (Index c = row; c < row + grid.cells[0]; ++c) {
-      const auto at = static_cast<std::size_t>(c);
-      double out = 0.0, in = 0.0;
-      for (int d = 0; d < grid.dimensions; ++d) {
-        const auto direction = static_cast<std::size_t>(d);
-        const Index s = grid.stride[direction];
-        const double* const u = state_.u[direction].data() + c;
-        const double* const a = open_.face[direction].data() + c;
-        const double low = a[0] * u[0], high = a[s] * u[s];
-        out += std::max(high, 0.0) + std::max(-low, 0.0);
-        in += std::max(-high, 0.0) + std::max(low, 0.0);
-      }
-      largest = std::max(largest, std::max(out, in) * open_.inverse_cell[at]);
-    }
-    return largest;
-  });
+  const double rate = grid.spacing * fastest_exchange(grid, open_, state_.u, sums_);
   const double way = setup_.courant * grid.spacing;
   if (!moves()) return way / std::max(rate, 1e-12);
   // Where nothing moves yet, as long as what has the speed of the case would allow.

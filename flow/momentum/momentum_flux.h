@@ -1,6 +1,6 @@
 #pragma once
 
-#include "samara/flow/grid/mac_grid.h"
+#include "samara/flow/grid/rows.h"
 
 /// The flux of momentum through the faces of the velocities' control volumes: one formula for the step and for the
 /// balances that check it.
@@ -14,12 +14,21 @@ enum class AdvectionScheme {
 
 /// Van Leer's reconstruction halfway from the middle of three values towards `down` (B. van Leer, J. Comput. Phys. 14
 /// (1974) 361): it stays between the middle value and both neighbours.
-[[gnu::always_inline]] inline double van_leer_value(double up, double middle, double down) {
-  const double before = middle - up, after = down - middle;
-  const double product = before * after;
+template <class V>
+[[gnu::always_inline]] inline V van_leer_value(const V& up, const V& middle, const V& down) {
+  const V before = middle - up, after = down - middle;
+  const V product = before * after;
   // Where both differences have one sign their sum is not 0. The quotient is taken everywhere, for vectors.
-  const double half_slope = product / (before + after);
+  const V half_slope = product / (before + after);
   return product > 0.0 ? middle + half_slope : middle;
+}
+
+/// The value on the face between the second and the third of four in a line, from where `mass` comes.
+template <class V>
+[[gnu::always_inline]] inline V upwind_value(const V& mass, const V& first, const V& second, const V& third,
+                                             const V& fourth) {
+  const auto onward = mass > 0.0;
+  return van_leer_value<V>(onward ? first : fourth, onward ? second : third, onward ? third : second);
 }
 
 /// What the flux of u_d across direction j needs. All fields have filled margins.
@@ -36,10 +45,12 @@ struct FluxInput {
 };
 
 /// nu_T on that face: of the cell that it halves, or of the four around an edge.
-template <bool kNormal>
-[[gnu::always_inline]] inline double eddy_viscosity(const FluxInput& in, Index c) {
-  if constexpr (kNormal) return in.eddy[c - in.own];
-  return 0.25 * (in.eddy[c] + in.eddy[c - in.own] + in.eddy[c - in.across] + in.eddy[c - in.own - in.across]);
+template <class V, bool kNormal>
+[[gnu::always_inline]] inline V eddy_viscosity(const FluxInput& in, Index c) {
+  const double* const eddy = in.eddy + c;
+  if constexpr (kNormal) return load<V>(eddy - in.own);
+  return 0.25 * (load<V>(eddy) + load<V>(eddy - in.own) + load<V>(eddy - in.across) +
+                 load<V>(eddy - in.own - in.across));
 }
 
 /// Flux of u_d through the lower face, across j, of the control volume of face c, per area [U^2]:
@@ -48,27 +59,23 @@ template <bool kNormal>
 ///
 /// with A by h over the distance of both velocities where one of them stands beside the body.
 /// The last term is the transposed part of 2 nu_T S; with nu alone it sums to 0 and is left out.
-template <AdvectionScheme kScheme, bool kEddy, bool kNormal>
-[[gnu::always_inline]] inline double momentum_flux(const FluxInput& in, Index c) {
+template <class V, AdvectionScheme kScheme, bool kEddy, bool kNormal>
+[[gnu::always_inline]] inline V momentum_flux(const FluxInput& in, Index c) {
   const Index s = in.across;
-  const double mass = 0.5 * (in.discharge[c - in.own] + in.discharge[c]);
+  const V mass = 0.5 * (load<V>(in.discharge + c - in.own) + load<V>(in.discharge + c));
   const double* const u = in.carried + c;
-  double value;
+  V value = load<V>(u - s);
   if constexpr (kScheme == AdvectionScheme::central) {
-    value = 0.5 * (u[-s] + u[0]);
+    value = 0.5 * (value + load<V>(u));
   } else {
-    const bool onward = mass > 0.0;
-    const double up = onward ? u[-2 * s] : u[s];
-    const double middle = onward ? u[-s] : u[0];
-    const double down = onward ? u[0] : u[-s];
-    value = van_leer_value(up, middle, down);
+    value = upwind_value(mass, load<V>(u - 2 * s), value, load<V>(u), load<V>(u + s));
   }
-  const double area = in.conduction[c] * in.per_spacing;
-  double stress = in.viscosity * (in.u[c] - in.u[c - s]);
-  if constexpr (kEddy) {
-    const double eddy = eddy_viscosity<kNormal>(in, c);
-    stress += eddy * ((in.u[c] - in.u[c - s]) + (in.along[c] - in.along[c - in.own]));
-  }
+  const V area = load<V>(in.conduction + c) * in.per_spacing;
+  const V across = load<V>(in.u + c) - load<V>(in.u + c - s);
+  V stress = in.viscosity * across;
+  if constexpr (kEddy)
+    stress += eddy_viscosity<V, kNormal>(in, c) *
+              (across + (load<V>(in.along + c) - load<V>(in.along + c - in.own)));
   return mass * value - area * stress;
 }
 

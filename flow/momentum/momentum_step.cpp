@@ -195,10 +195,11 @@ void MomentumStep::add_explicit(const FlowState& state, int d, double step) {
       const FluxInput in = flux_input(state.u[at], d, j);
       with_constants(scheme_, eddy_ != nullptr, j == d,
                      [&]<AdvectionScheme kScheme, bool kEddy, bool kNormal>() {
-                       for (Index c = row; c < row + width; ++c)
-                         rate[c] -= (momentum_flux<kScheme, kEddy, kNormal>(in, c + in.across) -
-                                     momentum_flux<kScheme, kEddy, kNormal>(in, c)) *
-                                    per_spacing;
+                       by_eights(row, row + width, [&]<class V>(Index c) {
+                         const V out = momentum_flux<V, kScheme, kEddy, kNormal>(in, c + in.across);
+                         const V entering = momentum_flux<V, kScheme, kEddy, kNormal>(in, c);
+                         store<V>(load<V>(rate + c) - (out - entering) * per_spacing, rate + c);
+                       });
                      });
     }
     for (Index c = row; c < row + width; ++c)
@@ -221,25 +222,25 @@ void MomentumStep::solve_implicit(int d, double step) {
     const LineEnds ends{borders_.periodic(j), increment_end(borders_.low(j), j == d),
                         increment_end(borders_.high(j), j == d)};
     const FluxInput in = flux_input(extrapolated_[at], d, j);  // its velocities are not looked at
-    const auto volume = [=](Index c) { return inverse[c]; };
+    const auto volume = [=]<class V>(Index c) { return load<V>(inverse + c); };
     const auto solve = [&](const auto& coupling) {
       if (j == 0) {
         solve_all_lines(grid_, unknown, j, ends, x, ratio_, turn_, coupling, volume,
-                        [=](Index c) { return step * loss[c]; });
+                        [=]<class V>(Index c) -> V { return step * load<V>(loss + c); });
       } else {
         solve_all_lines(grid_, unknown, j, ends, x, ratio_, turn_, coupling, volume,
-                        [](Index) { return 0.0; });
+                        []<class V>(Index) { return V{}; });
       }
     };
     if (eddy_ == nullptr) {
-      solve([=](Index c) { return diffusion * in.viscosity * in.conduction[c]; });
+      solve([=]<class V>(Index c) -> V { return diffusion * in.viscosity * load<V>(in.conduction + c); });
     } else if (j == d) {
-      solve([=](Index c) {
-        return diffusion * (in.viscosity + eddy_viscosity<true>(in, c)) * in.conduction[c];
+      solve([=]<class V>(Index c) -> V {
+        return diffusion * (in.viscosity + eddy_viscosity<V, true>(in, c)) * load<V>(in.conduction + c);
       });
     } else {
-      solve([=](Index c) {
-        return diffusion * (in.viscosity + eddy_viscosity<false>(in, c)) * in.conduction[c];
+      solve([=]<class V>(Index c) -> V {
+        return diffusion * (in.viscosity + eddy_viscosity<V, false>(in, c)) * load<V>(in.conduction + c);
       });
     }
   }
@@ -274,10 +275,11 @@ double MomentumStep::flux_taken(const FlowState& state, int d, int j, Index c) c
   const bool normal = j == d;
   const double flux = with_constants(scheme_, eddy_ != nullptr, normal,
                                      [&]<AdvectionScheme kScheme, bool kEddy, bool kNormal>() {
-                                       return momentum_flux<kScheme, kEddy, kNormal>(in, c);
+                                       return momentum_flux<double, kScheme, kEddy, kNormal>(in, c);
                                      });
   double viscosity = viscosity_;
-  if (eddy_ != nullptr) viscosity += normal ? eddy_viscosity<true>(in, c) : eddy_viscosity<false>(in, c);
+  if (eddy_ != nullptr)
+    viscosity += normal ? eddy_viscosity<double, true>(in, c) : eddy_viscosity<double, false>(in, c);
   const double* const increment = record_.increment[at][static_cast<std::size_t>(j)].data() + c;
   return flux - kImplicitShare * viscosity * in.conduction[c] * in.per_spacing *
                     (increment[0] - increment[-in.across]);

@@ -24,8 +24,7 @@ class MultigridSolver final : public PressureSolver {
   };
 
   void sweep(Level& level, int colour) const;
-  void smooth_down(Level& level, int sweeps) const;
-  void smooth_up(Level& level, int sweeps) const;
+  void smooth(Level& level, int sweeps, int first_colour, bool from_zero) const;
   void restrict_residual(Level& fine, Level& coarse) const;
   void prolong(const Level& coarse, Level& fine) const;
   /// levels_[0].x = M^-1 levels_[0].b

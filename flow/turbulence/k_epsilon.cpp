@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "samara/base/exponentials.h"
+
 namespace samara::flow {
 
 namespace {
@@ -13,22 +15,26 @@ using Constants = KEpsilonConstants;
 /// Beside a piece of wall smaller than this the flow is taken for free.
 constexpr double kLeastWall = 0.1;
 
-/// |S|^2 and |W|^2 of a cell: normal rates in its middle, shear as the mean over its edges.
+/// |S|^2 and |W|^2 of cells: normal rates in their middle, shear as the mean over their edges.
+template <class V>
 struct Rates {
-  double strain = 0.0, rotation = 0.0;
+  V strain = {}, rotation = {};
 };
 
-Rates rates_of(const MacGrid& grid, const FaceField& velocity, Index c) {
-  Rates rates;
+template <class V>
+[[gnu::always_inline]] inline Rates<V> rates_of(const MacGrid& grid, const FaceField& velocity, Index c) {
+  Rates<V> rates;
   for (int d = 0; d < grid.dimensions; ++d) {
     const Index sd = grid.stride[static_cast<std::size_t>(d)];
     const double* const u = velocity[static_cast<std::size_t>(d)].data() + c;
-    rates.strain += 2.0 * (u[sd] - u[0]) * (u[sd] - u[0]);
+    const V normal = load<V>(u + sd) - load<V>(u);
+    rates.strain += 2.0 * normal * normal;
     for (int j = d + 1; j < grid.dimensions; ++j) {
       const Index sj = grid.stride[static_cast<std::size_t>(j)];
       const double* const v = velocity[static_cast<std::size_t>(j)].data() + c;
       for (const Index edge : {Index{0}, sd, sj, sd + sj}) {
-        const double across = u[edge] - u[edge - sj], along = v[edge] - v[edge - sd];
+        const V across = load<V>(u + edge) - load<V>(u + edge - sj);
+        const V along = load<V>(v + edge) - load<V>(v + edge - sd);
         rates.strain += 0.25 * (across + along) * (across + along);
         rates.rotation += 0.25 * (across - along) * (across - along);
       }
@@ -132,14 +138,16 @@ void KEpsilon::set(double k_value, double epsilon_value) {
 
 void KEpsilon::prepare(const FaceField& velocity) {
   guarded_ = static_cast<long>(sums_.sum(grid_, [&](Index row) {
-    double guarded = 0.0;
-    for (Index c = row; c < row + grid_.cells[0]; ++c) {
-      const auto at = static_cast<std::size_t>(c);
-      const double eddy = Constants::C_mu * k[at] * k[at] / epsilon[at];
-      eddy_[at] = std::min(eddy, largest_eddy_viscosity_);
-      if (eddy > largest_eddy_viscosity_ && open_.inverse_cell[at] > 0.0) guarded += 1.0;
-    }
-    return guarded;
+    double guarded[kEight] = {};
+    by_eights(row, row + grid_.cells[0], [&]<class V>(Index c) {
+      const V none = {}, most = none + largest_eddy_viscosity_;
+      const V energy = load<V>(k.data() + c);
+      const V eddy = Constants::C_mu * energy * energy / load<V>(epsilon.data() + c);
+      store<V>(eddy > most ? most : eddy, eddy_.data() + c);
+      const V open = load<V>(open_.inverse_cell.data() + c) > 0.0 ? none + 1.0 : none;
+      store<V>(load<V>(guarded) + (eddy > most ? open : none), guarded);
+    });
+    return sum_of(guarded);
   }));
   for (const Index c : open_.closed_cells) eddy_[static_cast<std::size_t>(c)] = 0.0;
   fill_margins(grid_, borders_, eddy_, wall_eddy_, true);
@@ -149,14 +157,22 @@ void KEpsilon::prepare(const FaceField& velocity) {
 
 void KEpsilon::find_production(const FaceField& velocity) {
   for_rows(grid_, all_cells(grid_), [&](Index row, int) {
-    for (Index c = row; c < row + grid_.cells[0]; ++c) {
-      const auto at = static_cast<std::size_t>(c);
-      const Rates rates = rates_of(grid_, velocity, c);
-      const double squared =
-          model_ == TurbulenceModel::kato_launder ? std::sqrt(rates.strain * rates.rotation) : rates.strain;
-      production_[at] = eddy_[at] * squared;
-      growth_[at] = production_[at] / k[at];
+    const Index end = row + grid_.cells[0];
+    by_eights(row, end, [&]<class V>(Index c) {
+      const Rates<V> rates = rates_of<V>(grid_, velocity, c);
+      const V squared =
+          model_ == TurbulenceModel::kato_launder ? rates.strain * rates.rotation : rates.strain;
+      store<V>(squared, production_.data() + c);
+    });
+    if (model_ == TurbulenceModel::kato_launder) {
+      for (Index c = row; c < end; ++c)
+        production_[static_cast<std::size_t>(c)] = std::sqrt(production_[static_cast<std::size_t>(c)]);
     }
+    by_eights(row, end, [&]<class V>(Index c) {
+      const V production = load<V>(eddy_.data() + c) * load<V>(production_.data() + c);
+      store<V>(production, production_.data() + c);
+      store<V>(production / load<V>(k.data() + c), growth_.data() + c);
+    });
   });
   for (const Index c : open_.closed_cells)
     production_[static_cast<std::size_t>(c)] = growth_[static_cast<std::size_t>(c)] = 0.0;
@@ -212,34 +228,80 @@ void KEpsilon::advance(const FaceField& velocity, double step) {
   fill_margins(grid_, borders_, epsilon, given_epsilon_);
 }
 
+/// Cells from `first` to `end`, at most kTogether: half of the decay, production, half of the decay. With z = 1 + (C_2 - 1)
+/// eps/k dt/2 a half takes k by z^(-1/(C_2 - 1)) and eps/k by 1/z.
+void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
+  constexpr double kFall = -1.0 / (Constants::C_2 - 1.0), kRise = Constants::C_1 - 1.0;
+  const double half = 0.5 * step * (Constants::C_2 - 1.0);
+  const auto count = static_cast<std::size_t>(end - first);
+  double rate[kTogether], grown[kTogether], risen[kTogether], before[kTogether], after[kTogether];
+  double* const of_k = k.data() + first;
+  double* const of_epsilon = epsilon.data() + first;
+  by_eights(0, end - first, [&]<class V>(Index i) {
+    const V ratio = load<V>(of_epsilon + i) / load<V>(of_k + i);
+    const V growth = step * load<V>(growth_.data() + first + i);
+    store<V>(ratio, rate + i);
+    store<V>(1.0 + half * ratio, before + i);
+    store<V>(growth, grown + i);
+    store<V>(kRise * growth, risen + i);
+  });
+  take_exponentials({grown, count});
+  take_exponentials({risen, count});
+  by_eights(0, end - first, [&]<class V>(Index i) {
+    const V ratio = load<V>(rate + i) / load<V>(before + i) * load<V>(risen + i), z = 1.0 + half * ratio;
+    store<V>(ratio / z, rate + i);
+    store<V>(z, after + i);
+  });
+  for (double* const z : {before, after}) {
+    take_logarithms({z, count});
+    by_eights(0, end - first, [&]<class V>(Index i) { store<V>(kFall * load<V>(z + i), z + i); });
+    take_exponentials({z, count});
+  }
+  by_eights(0, end - first, [&]<class V>(Index i) {
+    const V none = {}, one = none + 1.0;
+    const V old = load<V>(of_k + i), old_epsilon = load<V>(of_epsilon + i);
+    const V decayed = old * load<V>(before + i), added = decayed * (load<V>(grown + i) - 1.0);
+    const V energy = (decayed + added) * load<V>(after + i), dissipation = energy * load<V>(rate + i);
+    const V inverse = load<V>(open_.inverse_cell.data() + first + i);
+    const V in_fluid = load<V>(wall_distance_.data() + first + i) > 0.0 ? none : (inverse > 0.0 ? one : none);
+    const V volume = in_fluid > 0.0 ? 1.0 / inverse : none;
+    store<V>(load<V>(sums.produced) + volume * added, sums.produced);
+    store<V>(load<V>(sums.dissipated) + volume * (old + added - energy), sums.dissipated);
+    // Looked at as they came, too, before production could hide it.
+    const auto positive = (old > 0.0) & (old_epsilon > 0.0) & (energy > 0.0) & (dissipation > 0.0);
+    store<V>(load<V>(sums.not_positive) + (positive ? none : in_fluid), sums.not_positive);
+    store<V>(in_fluid > 0.0 ? energy : old, of_k + i);
+    store<V>(in_fluid > 0.0 ? dissipation : old_epsilon, of_epsilon + i);
+  });
+}
+
+/// A cell where the law of the wall gives eps.
+void KEpsilon::act_beside_wall(Index c, double step, Sums& sums) {
+  const auto at = static_cast<std::size_t>(c);
+  const double inverse = open_.inverse_cell[at];
+  if (inverse == 0.0) return;
+  const double before = k[at], added = step * production_[at];
+  // Looked at before production and walls could hide it.
+  bool positive = before > 0.0 && epsilon[at] > 0.0;
+  k[at] = wall_decay(before + added, wall_distance_[at], step);
+  epsilon[at] = wall_dissipation(k[at], wall_distance_[at]);
+  positive = positive && k[at] > 0.0 && epsilon[at] > 0.0;
+  sums.produced[0] += added / inverse;
+  sums.dissipated[0] += (before + added - k[at]) / inverse;
+  if (!positive) sums.not_positive[0] += 1.0;
+}
+
 void KEpsilon::apply_sources(double step) {
   for_rows(grid_, all_cells(grid_), [&](Index row, int r) {
-    std::array<double, 3> sum = {};
-    for (Index c = row; c < row + grid_.cells[0]; ++c) {
-      const auto at = static_cast<std::size_t>(c);
-      const double inverse = open_.inverse_cell[at];
-      if (inverse == 0.0) continue;
-      // Looked at before production and walls could hide it.
-      bool positive = k[at] > 0.0 && epsilon[at] > 0.0;
-      const double before = k[at];
-      double added;
-      if (wall_distance_[at] > 0.0) {
-        added = step * production_[at];
-        k[at] = wall_decay(before + added, wall_distance_[at], step);
-        epsilon[at] = wall_dissipation(k[at], wall_distance_[at]);
-      } else {
-        decay(k[at], epsilon[at], 0.5 * step);
-        const double decayed = k[at];
-        produce(k[at], epsilon[at], step * growth_[at]);
-        added = k[at] - decayed;
-        decay(k[at], epsilon[at], 0.5 * step);
-      }
-      sum[0] += added / inverse;
-      sum[1] += (before + added - k[at]) / inverse;
-      positive = positive && k[at] > 0.0 && epsilon[at] > 0.0;
-      if (!positive) sum[2] += 1.0;
+    Sums sums;
+    const Index end = row + grid_.cells[0];
+    for (Index first = row; first < end; first += kTogether)
+      act_in_fluid(first, std::min(first + kTogether, end), step, sums);
+    for (Index c = row; c < end; ++c) {
+      if (wall_distance_[static_cast<std::size_t>(c)] > 0.0) act_beside_wall(c, step, sums);
     }
-    row_sums_[static_cast<std::size_t>(r)] = sum;
+    row_sums_[static_cast<std::size_t>(r)] = {sum_of(sums.produced), sum_of(sums.dissipated),
+                                              sum_of(sums.not_positive)};
   });
   double not_positive = 0.0;
   for (const std::array<double, 3>& sum : row_sums_) {
@@ -252,12 +314,13 @@ void KEpsilon::apply_sources(double step) {
 
 double KEpsilon::total(const Field& of) {
   return sums_.sum(grid_, [&](Index row) {
-    double sum = 0.0;
-    for (Index c = row; c < row + grid_.cells[0]; ++c) {
-      const double inverse = open_.inverse_cell[static_cast<std::size_t>(c)];
-      if (inverse > 0.0) sum += of[static_cast<std::size_t>(c)] / inverse;
-    }
-    return sum;
+    double sum[kEight] = {};
+    by_eights(row, row + grid_.cells[0], [&]<class V>(Index c) {
+      const V inverse = load<V>(open_.inverse_cell.data() + c), none = {};
+      const V share = inverse > 0.0 ? load<V>(of.data() + c) / inverse : none;
+      store<V>(load<V>(sum) + share, sum);
+    });
+    return sum_of(sum);
   });
 }
 

@@ -75,6 +75,13 @@ class KEpsilon {
   void set_walls();
   void find_production(const FaceField& velocity);
   void apply_wall_law(const FaceField& velocity);
+  static constexpr Index kTogether = 128;  ///< cells of a row whose sources act at once
+  /// Over the cells of a row, in lanes.
+  struct Sums {
+    double produced[kEight] = {}, dissipated[kEight] = {}, not_positive[kEight] = {};
+  };
+  void act_in_fluid(Index first, Index end, double step, Sums& sums);
+  void act_beside_wall(Index c, double step, Sums& sums);
   void apply_sources(double step);
   double total(const Field& of);
 

@@ -29,17 +29,38 @@ void for_border(const MacGrid& grid, int side, const Body& body) {
 }
 
 /// Through the lower face of cell c.
-[[gnu::always_inline]] inline double carried_flux(const double* s, const double* discharge, Index c,
-                                                  Index across) {
-  const double mass = discharge[c];
-  const bool onward = mass > 0.0;
-  const double up = onward ? s[c - 2 * across] : s[c + across];
-  const double middle = onward ? s[c - across] : s[c];
-  const double down = onward ? s[c] : s[c - across];
-  return mass * van_leer_value(up, middle, down);
+template <class V>
+[[gnu::always_inline]] inline V carried_flux(const double* s, const double* discharge, Index c,
+                                             Index across) {
+  const V mass = load<V>(discharge + c);
+  const double* const at = s + c;
+  return mass * upwind_value(mass, load<V>(at - 2 * across), load<V>(at - across), load<V>(at),
+                             load<V>(at + across));
 }
 
 }  // namespace
+
+double fastest_exchange(const MacGrid& grid, const Openness& open, const FaceField& velocity, RowSums& rows) {
+  return rows.maximum(grid, [&](Index row) {
+    double largest[kEight] = {};
+    by_eights(row, row + grid.cells[0], [&]<class V>(Index c) {
+      const V none = {};
+      V out = {}, in = {};
+      for (int d = 0; d < grid.dimensions; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        const Index s = grid.stride[at];
+        const double* const u = velocity[at].data() + c;
+        const double* const a = open.face[at].data() + c;
+        const V low = load<V>(a) * load<V>(u), high = load<V>(a + s) * load<V>(u + s);
+        out += larger<V>(high, none) + larger<V>(-low, none);
+        in += larger<V>(-high, none) + larger<V>(low, none);
+      }
+      const V rate = larger(out, in) * load<V>(open.inverse_cell.data() + c);
+      store<V>(larger(rate, load<V>(largest)), largest);
+    });
+    return *std::max_element(largest, largest + kEight);
+  }) / grid.spacing;
+}
 
 MonotoneTransport::MonotoneTransport(const MacGrid& grid, const Borders& borders, const Openness& open)
     : grid_(grid),
@@ -68,20 +89,7 @@ double MonotoneTransport::set_velocity(const FaceField& velocity) {
       for (Index c = row; c < row + grid_.cells[0]; ++c) q[c] = a[c] * u[c];
     });
   }
-  return sums_.maximum(grid_, [&](Index row) {
-    double largest = 0.0;
-    for (Index c = row; c < row + grid_.cells[0]; ++c) {
-      double out = 0.0, in = 0.0;
-      for (int d = 0; d < grid_.dimensions; ++d) {
-        const double* const q = discharge_[static_cast<std::size_t>(d)].data() + c;
-        const double high = q[grid_.stride[static_cast<std::size_t>(d)]];
-        out += std::max(high, 0.0) + std::max(-q[0], 0.0);
-        in += std::max(-high, 0.0) + std::max(q[0], 0.0);
-      }
-      largest = std::max(largest, std::max(out, in) * open_.inverse_cell[static_cast<std::size_t>(c)]);
-    }
-    return largest;
-  }) / grid_.spacing;
+  return fastest_exchange(grid_, open_, velocity, sums_);
 }
 
 double MonotoneTransport::advect(Field& s, double step, const std::array<double, 6>& given,
@@ -107,8 +115,11 @@ double MonotoneTransport::advect(Field& s, double step, const std::array<double,
       const auto at = static_cast<std::size_t>(d);
       const Index across = grid_.stride[at];
       const double* const q = discharge_[at].data();
-      for (Index c = row; c < end; ++c)
-        now[c] += carried_flux(old, q, c + across, across) - carried_flux(old, q, c, across);
+      by_eights(row, end, [&]<class V>(Index c) {
+        const V out = carried_flux<V>(old, q, c + across, across),
+                entering = carried_flux<V>(old, q, c, across);
+        store<V>(load<V>(now + c) + (out - entering), now + c);
+      });
     }
     const double* const inverse = open_.inverse_cell.data();
     for (Index c = row; c < end; ++c) now[c] = old[c] - step * per_spacing * inverse[c] * now[c];
@@ -119,7 +130,7 @@ double MonotoneTransport::advect(Field& s, double step, const std::array<double,
     const auto across = static_cast<std::size_t>(side / 2);
     const double inward = side % 2 == 0 ? 1.0 : -1.0;
     for_border(grid_, side, [&](Index face, Index) {
-      entered += inward * carried_flux(old, discharge_[across].data(), face, grid_.stride[across]);
+      entered += inward * carried_flux<double>(old, discharge_[across].data(), face, grid_.stride[across]);
     });
   }
   return entered * step * per_spacing;
@@ -156,9 +167,12 @@ double MonotoneTransport::diffuse(Field& s, double step, double viscosity, const
     const Index across = grid_.stride[at];
     const double* const a = open_.face[at].data();
     const double* const turbulent = eddy != nullptr ? eddy->data() : nullptr;
-    const auto coupling = [=](Index c) {
-      const double eddies = turbulent != nullptr ? 0.5 * (turbulent[c] + turbulent[c - across]) / sigma : 0.0;
-      return scale * a[c] * (viscosity + eddies);
+    const double half_over_sigma = 0.5 / sigma;
+    const auto coupling = [=]<class V>(Index c) -> V {
+      V eddies = {};
+      if (turbulent != nullptr)
+        eddies = half_over_sigma * (load<V>(turbulent + c) + load<V>(turbulent + c - across));
+      return scale * load<V>(a + c) * (viscosity + eddies);
     };
     LineEnds ends{borders_.periodic(d), {}, {}};
     const auto end_of = [&](int side) -> LineEnd {
@@ -170,13 +184,14 @@ double MonotoneTransport::diffuse(Field& s, double step, double viscosity, const
     ends.low = end_of(2 * d);
     ends.high = end_of(2 * d + 1);
     solve_all_lines(
-        grid_, all_cells(grid_), d, ends, s, ratio_, turn_, coupling, [=](Index c) { return inverse[c]; },
-        [](Index) { return 0.0; });
+        grid_, all_cells(grid_), d, ends, s, ratio_, turn_, coupling,
+        [=]<class V>(Index c) { return load<V>(inverse + c); }, []<class V>(Index) { return V{}; });
     for (const int side : {2 * d, 2 * d + 1}) {
       const LineEnd& end = side % 2 == 0 ? ends.low : ends.high;
       if (end.factor == 0.0) continue;
       for_border(grid_, side, [&](Index face, Index cell) {
-        entered += end.factor * coupling(face) * (end.value - s[static_cast<std::size_t>(cell)]);
+        entered += end.factor * coupling.template operator()<double>(face) *
+                   (end.value - s[static_cast<std::size_t>(cell)]);
       });
     }
   }

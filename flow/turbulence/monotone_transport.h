@@ -8,6 +8,9 @@
 
 namespace samara::flow {
 
+/// Largest share of a cell that flows out of it, or into it, per time.
+double fastest_exchange(const MacGrid& grid, const Openness& open, const FaceField& velocity, RowSums& rows);
+
 /// Advection and diffusion of a scalar that stay within the bounds of what was there.
 ///
 /// Advection is one Euler step with van Leer's slopes. While at most half of a cell's content flows out of it in a step,
@@ -23,7 +26,7 @@ class MonotoneTransport {
   /// Beside a body that moves, what flows into a cell is not what flows out: the body sweeps the rest. From now on, cells gain
   /// s times that difference, so that a uniform s stays uniform; it counts as entered.
   void follow_body() { sweeps_ = true; }
-  /// a u of all faces; call it when the velocity has changed. @returns the largest share of a cell that flows out of it, or into it, per time
+  /// a u of all faces; call it when the velocity has changed. @returns fastest_exchange()
   double set_velocity(const FaceField& velocity);
   /// s := after `step`, of at most half the inverse of that rate. @param given values at inflows and walls (fill_margins),
   /// also those of what comes back through an outflow @returns what entered through the borders, sum of V s
