@@ -36,7 +36,8 @@ double swing_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, s
   return std::sqrt(std::max(0.0, squared / length - std::pow(sum / length, 2)));
 }
 
-constexpr double kSwing = 0.1, kLeastSwing = 0.02;  // below which shedding says nothing of the drag
+constexpr double kSwing = 0.1,
+                 kLeastSwing = 0.02;  // below which the size of a swing says nothing of the drag
 
 /// Of the halves of what was averaged: the second less the first.
 struct Halves {
@@ -49,7 +50,9 @@ Halves halves_of(const std::vector<PeriodMeans>& periods) {
   const double drag = drag_of_last(periods, count, half) - drag_of_last(periods, count - half, count - half);
   const double before = swing_of_last(periods, count - half, count - half),
                after = swing_of_last(periods, count, half), larger = std::max(before, after);
-  return {drag, larger < kLeastSwing || std::abs(after - before) < kSwing * larger};
+  // A swing that says nothing of the drag yet may be the beginning of shedding about a body that was symmetric: it must not grow.
+  const double change = larger < kLeastSwing ? after - before : std::abs(after - before);
+  return {drag, change <= kSwing * larger};
 }
 
 struct Sample {

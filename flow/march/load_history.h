@@ -51,7 +51,8 @@ class PeriodCounter {
 bool is_settled(const std::vector<PeriodMeans>& periods);
 /// Whether the mean drag is known to a share of itself: at least five periods, half the 95 % interval below it, and the
 /// means of the first and the second half no further apart, so that no slow drift passes for a mean; nor is the deviation of
-/// the lift, which shows shedding that grows long before the drag does, by more than a tenth.
+/// the lift, which shows shedding that grows long before the drag does, by more than a tenth. Deviations below 0.02 may fall,
+/// and not grow: between the start and shedding, a symmetric body may have the drag of its steady flow for 60 l/U.
 bool is_known(const std::vector<PeriodMeans>& periods, double share);
 /// Whether what was averaged holds the end of a transient, which would stay in the mean for long: at least ten periods, of
 /// whose halves the drags are further apart than that share, or the deviations of the lift by more than a tenth, and either by

@@ -116,6 +116,24 @@ TEST_CASE("shedding that still grows is no mean, and what was averaged of it is 
   CHECK_FALSE(holds_transient({growing.begin(), growing.begin() + 9}, 0.01));
 }
 
+TEST_CASE("a drag that stands still while a tiny swing of the lift grows is no mean", "[flow]") {
+  // As of a plate broadside on, 32 cells to its length: from 80 to 120 l/U the drag is 1.685 of steady flow, while the lift
+  // grows by half every 5 l/U, until the plate sheds with a drag of more than 2.2.
+  const auto with_swings = [](double first, double growth) {
+    std::vector<PeriodMeans> periods;
+    for (int i = 0; i < 8; ++i) {
+      const double swing = first * std::pow(growth, i);
+      periods.push_back({.length = 5.0, .drag = 1.685, .lift_squared = swing * swing});
+    }
+    return periods;
+  };
+  CHECK_FALSE(is_known(with_swings(2e-5, 1.5), 0.01));
+  CHECK_FALSE(is_known(with_swings(1e-9, 1.5), 0.01));
+  CHECK(is_known(with_swings(1e-3, 1.0), 0.01));
+  CHECK(is_known(with_swings(1e-3, 0.7), 0.01));
+  CHECK(is_known(with_swings(0.0, 1.0), 0.01));
+}
+
 TEST_CASE("shedding whose swings scatter and do not grow is averaged on and on", "[flow]") {
   // Of each period: drawn for itself, with a drag that goes with the square of the swing.
   const auto restarts = [](double scatter, std::uint64_t seed, double growth) {
