@@ -1,12 +1,22 @@
 #include "samara/flow/books/energy_book.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
+#include "samara/codebooks/book/made.h"
+#include "samara/codebooks/build/described.h"
+#include "samara/codebooks/build/sampling_builder.h"
+#include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/flow/books/leja_grid.h"
 #include "samara/flow/books/planned_flow.h"
+#include "samara/pgd/fields/train_field.h"
 
 namespace samara::flow {
 
@@ -41,7 +51,7 @@ double mean_near(const FlowResult& result, const FlowCase& flow, const Field& fi
   return volume > 0.0 ? sum / volume : 0.0;
 }
 
-codebooks::Plan book_plan(const FlowPlan& plan) {
+codebooks::Plan energy_plan(const FlowPlan& plan) {
   if (plan.box.empty()) throw ArgumentError("an energy book needs a box, which the plan does not have");
   codebooks::Plan book;
   book.title = plan.title;
@@ -49,10 +59,7 @@ codebooks::Plan book_plan(const FlowPlan& plan) {
   book.box = plan.box;
   book.relative = plan.relative;
   book.builder.kind = "sampling";
-  book.builder.max_calls = plan.max_calls;
   book.builder.seed = plan.seed;
-  // A flow is dear: fewer points are explored beside those of every round's check.
-  book.builder.guards = plan.certificate_points;
   codebooks::PlannedCommand command;
   command.run = {"samara", "flow"};
   command.inputs = {{"angle_of_attack", "rad"}, {"log10_reynolds", "1"}};
@@ -68,6 +75,31 @@ codebooks::Plan book_plan(const FlowPlan& plan) {
   if (!is_free("angle_of_attack")) book.fixed["angle_of_attack"] = plan.flow.angle_of_attack;
   if (!is_free("log10_reynolds")) book.fixed["log10_reynolds"] = std::log10(plan.flow.reynolds);
   return book;
+}
+
+/// Ranges of the outputs over the flows that there are, or the floors.
+Eigen::VectorXd scales_of(const LejaGrid& grid, const std::vector<pgd::OutputLabel>& outputs) {
+  Eigen::VectorXd low = grid.columns().begin()->second, high = low;
+  for (const auto& [numbers, column] : grid.columns()) {
+    low = low.cwiseMin(column).eval();
+    high = high.cwiseMax(column).eval();
+  }
+  Eigen::VectorXd scales = high - low;
+  for (Eigen::Index o = 0; o < scales.size(); ++o)
+    scales[o] = std::max(scales[o], floor_of(outputs[static_cast<std::size_t>(o)].name));
+  return scales;
+}
+
+/// The polynomials of the grid, all of them.
+pgd::TrainField field_of(const LejaGrid& grid, const FlowPlan& plan,
+                         const std::vector<pgd::OutputLabel>& outputs) {
+  std::vector<pgd::Axis> axes;
+  for (std::size_t k = 0; k < plan.box.size(); ++k) {
+    const codebooks::BoxEntry& entry = plan.box[k];
+    axes.push_back(pgd::Axis::chebyshev({entry.name, entry.name == "angle_of_attack" ? "rad" : "1"},
+                                        entry.lower, entry.upper, grid.counts()[k]));
+  }
+  return {std::move(axes), outputs, pgd::to_train(grid.on_chebyshev_points(), grid.counts(), 0.0)};
 }
 
 }  // namespace
@@ -96,9 +128,12 @@ Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& po
 }
 
 codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
-  const codebooks::Plan book = book_plan(plan);
-  codebooks::BuildOptions chosen = options;
-  if (!chosen.certificate_points) chosen.certificate_points = plan.certificate_points;
+  const codebooks::Plan book_plan = energy_plan(plan);
+  const long least = plan.box.size() == 1 ? 4 : 11;
+  require(plan.max_calls >= least, "max_calls", plan.max_calls,
+          fmt::format("at least {}, the first grid and a flow along each coordinate", least),
+          "an energy book");
+  const auto begin = std::chrono::steady_clock::now();
   // A command is told what is fixed as well: the angle, then the Reynolds number.
   const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
     for (Eigen::Index j = 0; j < points.cols(); ++j) {
@@ -108,7 +143,52 @@ codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::
       values.col(j) = solve_energy(plan, point, options.progress);
     }
   };
-  return codebooks::build(book, function, chosen);
+  codebooks::CallMemory calls =
+      codebooks::calls_of(book_plan, codebooks::command_source(book_plan, function), options);
+  const std::vector<pgd::OutputLabel>& outputs = calls.source().outputs;
+
+  LejaGrid grid(plan.box.size());
+  const auto solve = [&](const std::vector<double>& unit) -> Eigen::VectorXd {
+    Eigen::VectorXd point(static_cast<Eigen::Index>(unit.size()));
+    for (std::size_t k = 0; k < unit.size(); ++k)
+      point[static_cast<Eigen::Index>(k)] = in_interval(plan.box[k].lower, plan.box[k].upper, unit[k]);
+    const codebooks::CalledAnswers answer = calls(point, {});
+    calls.save();
+    if (!answer.failure.empty()) throw NoResultError(answer.failure);
+    return answer.values;
+  };
+  const auto apart = [&](const Eigen::VectorXd& foretold, const Eigen::VectorXd& found) {
+    return (foretold - found).cwiseAbs().cwiseQuotient(scales_of(grid, outputs)).maxCoeff();
+  };
+  const GridGrowth growth = grow(grid, solve, apart, kForetold * plan.relative, plan.max_calls);
+
+  codebooks::BuildRecord record;
+  record.builder = "sampling";
+  record.strategy = "grid";
+  record.status = growth.status;
+  record.evaluations = static_cast<double>(growth.solved);
+  record.grid_size = static_cast<double>(grid.size());
+  record.rounds = 1;
+  record.message = growth.text(grid, plan.max_calls);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const codebooks::Codebook book(codebooks::describe(book_plan),
+                                 {codebooks::Piece{{field_of(grid, plan, outputs)}}}, record,
+                                 codebooks::made_now(book_plan.text, took.count()), {}, plan.title);
+  codebooks::CertifyOptions certify;
+  certify.points = options.certificate_points.value_or(plan.certificate_points);
+  certify.seed = book_plan.certificate_seed();
+  certify.tolerance = plan.relative;
+  certify.absolute = book_plan.absolute;
+  certify.progress = options.progress;
+  codebooks::Certificate certificate =
+      codebooks::measure(book, calls, certify, codebooks::Extent::all_points).certificate;
+  calls.save();
+  certificate.met = certificate.met && growth.status == Termination::converged;
+  const std::string message =
+      fmt::format("{}; largest error {:.3g} at {} points, tolerance {:.3g}", record.message,
+                  certificate.max_error, certificate.points, certificate.tolerance);
+  const bool met = certificate.met, incomplete = certificate.failed_points > 0;
+  return {book.with_certificate(std::move(certificate)), met, message, incomplete};
 }
 
 Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,

@@ -10,9 +10,10 @@
 /// angle of attack and the Reynolds number. All is dimensionless, so that one book serves all sizes, speeds and fluids, and
 /// it is an ordinary codebook: queries with gradients, statistics, fits.
 ///
-/// It is built by sampling (codebooks/build/build.h), a call of the function being a solve of the flow. Its certificate is
-/// measured against fresh solves at points that the builder did not see; what the grid is worth is another error, which
-/// discretisation() measures with twice the cells.
+/// Flows are solved on a grid of Leja points of the box that grows where the next point along a coordinate is not foretold
+/// to half the tolerance: a flow takes minutes, and sampling for sources that take milliseconds would spend a hundred of
+/// them on its own checks. Its certificate is measured against fresh solves at points that the builder did not see; what
+/// the grid of cells is worth is another error, which discretisation() measures with twice the cells.
 namespace samara::flow {
 
 /// Rows of its outputs: C_D, C_L, C_M, deviation C_L_rms, strouhal, bubble_end, k_near, and epsilon_near with turbulence.
@@ -26,7 +27,9 @@ Eigen::VectorXd energy_of(const FlowResult& result, const FlowCase& flow);
 Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& point,
                              const ProgressCallback& progress);
 
-/// @param plan with a box @throws as codebooks::build(), and ArgumentError for a plan without a box
+/// @param plan with a box  @param options as of codebooks::build(); a checkpoint keeps every flow that was solved
+/// @throws ArgumentError for a plan without a box, or that allows fewer flows than the first grid needs; NoResultError where a
+/// flow is not found; InputError for a checkpoint of another plan
 codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
 
 /// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points: the

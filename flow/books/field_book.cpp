@@ -28,8 +28,8 @@ namespace {
 
 /// Of all places at a point, which the tolerance is asked of.
 constexpr double kShareOfPlaces = 0.95;
-/// Of the tolerance: what a flow that is foretold may differ by, and what truncated modes may.
-constexpr double kForetold = 0.5, kTruncated = 0.05;
+/// Of the tolerance: what truncated modes may differ by.
+constexpr double kTruncated = 0.05;
 
 /// Differences below these do not matter, whatever an output's range.
 double field_floor(const std::string& output) {
@@ -100,14 +100,14 @@ class FieldBuilder {
 
   codebooks::BuildResult run() {
     const auto begin = std::chrono::steady_clock::now();
-    grow();
+    growth_ = grown();
     codebooks::BuildRecord record = record_of();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     codebooks::Codebook book(description(), {codebooks::Piece(groups())}, record,
                              codebooks::made_now(book_plan_.text, took.count()), {}, plan_.title);
     book = book.with_mesh(cell_mesh(grid_of(plan_.flow)));
     codebooks::Certificate certificate = certify(book);
-    certificate.met = certificate.met && status_ == Termination::converged;
+    certificate.met = certificate.met && growth_.status == Termination::converged;
     calls_.save();
     const std::string message = fmt::format(
         "{}; {:.0f} % of all places are within {:.3g} at {} points, tolerance {:.3g}", record.message,
@@ -156,21 +156,10 @@ class FieldBuilder {
   }
 
   std::vector<double> in_box(const std::vector<double>& unit) const {
-    std::vector<double> point(unit.size());
-    for (std::size_t k = 0; k < unit.size(); ++k) {
-      const codebooks::BoxEntry& entry = plan_.box[k];
-      point[k] = std::clamp(entry.lower + 0.5 * (1.0 + unit[k]) * (entry.upper - entry.lower), entry.lower,
-                            entry.upper);
-    }
+    std::vector<double> point;
+    for (std::size_t k = 0; k < unit.size(); ++k)
+      point.push_back(in_interval(plan_.box[k].lower, plan_.box[k].upper, unit[k]));
     return point;
-  }
-
-  /// Solves the flows of the grid that are not there yet.
-  void fill() {
-    grid_.for_missing([&](const std::vector<int>& numbers) {
-      grid_.put(numbers, fields_at(in_box(grid_.unit_of(numbers))).reshaped());
-      ++solved_;
-    });
   }
 
   Eigen::VectorXd scales() const {
@@ -187,73 +176,29 @@ class FieldBuilder {
     return scales;
   }
 
-  /// The next node along a coordinate, in the middle of the others.
-  std::vector<int> next_along(std::size_t coordinate) const {
-    std::vector<int> numbers(plan_.box.size(), LejaGrid::kMiddle);
-    numbers[coordinate] = grid_.counts()[coordinate];
-    return numbers;
-  }
-
-  /// How far the flow there is from what the grid foretells.
-  double surprise(std::size_t coordinate) {
-    const std::vector<int> numbers = next_along(coordinate);
-    const std::vector<double> unit = grid_.unit_of(numbers);
-    const Eigen::MatrixXd foretold = grid_.at(unit).reshaped(std::ssize(outputs_), nodes_.size());
-    if (!grid_.has(numbers)) {
-      grid_.put(numbers, fields_at(in_box(unit)).reshaped());
-      ++solved_;
-    }
-    const Eigen::MatrixXd found = grid_.column(numbers).reshaped(std::ssize(outputs_), nodes_.size());
-    return place_errors(foretold, found).cwiseQuotient(scales()).maxCoeff();
-  }
-
-  void grow() {
-    fill();
-    for (;;) {
-      status_ = Termination::max_calls;
-      long unknown = 0;
-      for (std::size_t k = 0; k < plan_.box.size(); ++k) unknown += grid_.has(next_along(k)) ? 0 : 1;
-      if (solved_ + unknown > plan_.max_calls) return;
-      std::vector<int> larger = grid_.counts();
-      worst_ = 0.0;
-      for (std::size_t k = 0; k < plan_.box.size(); ++k) {
-        const double error = surprise(k);
-        worst_ = std::max(worst_, error);
-        if (error > kForetold * plan_.relative) ++larger[k];
-      }
-      if (larger == grid_.counts()) {
-        status_ = Termination::converged;
-        // Of one coordinate the flow that was compared with is all that a larger grid needs.
-        if (larger.size() == 1) grid_.set_counts({larger[0] + 1});
-        return;
-      }
-      if (solved_ + grid_.missing(larger) > plan_.max_calls) return;
-      if (*std::ranges::max_element(larger) > LejaGrid::kMost) {
-        status_ = Termination::exhausted;
-        return;
-      }
-      grid_.set_counts(larger);
-      fill();
-    }
+  GridGrowth grown() {
+    const auto solve = [&](const std::vector<double>& unit) -> Eigen::VectorXd {
+      return fields_at(in_box(unit)).reshaped();
+    };
+    const auto apart = [&](const Eigen::VectorXd& foretold, const Eigen::VectorXd& found) {
+      const auto fields = [&](const Eigen::VectorXd& column) {
+        return Eigen::MatrixXd(column.reshaped(std::ssize(outputs_), nodes_.size()));
+      };
+      return place_errors(fields(foretold), fields(found)).cwiseQuotient(scales()).maxCoeff();
+    };
+    return grow(grid_, solve, apart, kForetold * plan_.relative, plan_.max_calls);
   }
 
   codebooks::BuildRecord record_of() const {
     codebooks::BuildRecord record;
     record.builder = "sampling";
     record.strategy = "modes";
-    record.status = status_;
+    record.status = growth_.status;
     record.evaluations =
-        static_cast<double>(solved_ + options_.certificate_points.value_or(plan_.certificate_points));
+        static_cast<double>(growth_.solved + options_.certificate_points.value_or(plan_.certificate_points));
     record.grid_size = static_cast<double>(grid_.size());
     record.rounds = 1;
-    std::string counts;
-    for (const int count : grid_.counts()) counts += fmt::format("{}{}", counts.empty() ? "" : " x ", count);
-    record.message =
-        fmt::format("{} flows; the next one along a coordinate differs by {:.3g} from what they foretell{}",
-                    counts, worst_,
-                    status_ == Termination::max_calls
-                        ? fmt::format(", and no more than {} flows were allowed", plan_.max_calls)
-                        : "");
+    record.message = growth_.text(grid_, plan_.max_calls);
     return record;
   }
 
@@ -363,9 +308,7 @@ class FieldBuilder {
   Eigen::VectorXd nodes_;
   codebooks::CallMemory calls_;
   LejaGrid grid_;
-  long solved_ = 0;
-  double worst_ = 0.0;
-  Termination status_ = Termination::converged;
+  GridGrowth growth_;
 };
 
 /// Means of a finer grid of half the spacing over the cells of a coarser one, by nodes.

@@ -2,9 +2,12 @@
 
 #include <functional>
 #include <map>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "samara/base/termination.h"
 
 namespace samara::flow {
 
@@ -30,6 +33,9 @@ class LejaGrid {
   /// All that there are, also beyond the grid.
   const std::map<std::vector<int>, Eigen::VectorXd>& columns() const { return columns_; }
 
+  /// The next node along a coordinate, in the middle of the others.
+  std::vector<int> next_along(std::size_t coordinate) const;
+
   /// Nodes of a grid of that many points that have no column.
   long missing(const std::vector<int>& counts) const;
   void for_missing(const std::function<void(const std::vector<int>& numbers)>& act) const;
@@ -43,5 +49,29 @@ class LejaGrid {
   std::vector<int> counts_;
   std::map<std::vector<int>, Eigen::VectorXd> columns_;
 };
+
+/// Of a book's tolerance: what a flow that is foretold may differ by.
+inline constexpr double kForetold = 0.5;
+
+/// How a grid has grown.
+struct GridGrowth {
+  Termination status = Termination::converged;  ///< or max_calls, exhausted
+  long solved = 0;                              ///< columns
+  double worst = 0.0;  ///< of the last round, what the next nodes differ by from what the grid foretells
+
+  /// Grid and growth in words. @param most columns that were allowed
+  std::string text(const LejaGrid& grid, long most) const;
+};
+
+/// Solves columns on the grid, and makes it grow along each coordinate as long as the next node along it differs by more
+/// than `allowed` from what the grid foretells.
+/// @param solve the column at a place in [-1, 1]^d  @param apart how much two columns differ
+/// @param most columns that may be solved: no grid is begun that needs more
+GridGrowth grow(LejaGrid& grid, const std::function<Eigen::VectorXd(const std::vector<double>& unit)>& solve,
+                const std::function<double(const Eigen::VectorXd&, const Eigen::VectorXd&)>& apart,
+                double allowed, long most);
+
+/// In an interval, from its place in [-1, 1].
+double in_interval(double lower, double upper, double unit);
 
 }  // namespace samara::flow

@@ -26,7 +26,7 @@ struct FlowPlan {
   std::vector<codebooks::BoxEntry> box;  ///< angle_of_attack [rad], log10_reynolds; empty: one flow
   bool of_fields = false;                ///< a book of the mean fields, not of loads and energy
   double relative = 0.05;                ///< of each output's range over the box
-  /// Solves that the builder may take, of which that of loads and energy needs about 100 for its own checks.
+  /// Solves that the builder may take.
   long max_calls = 400;
   int certificate_points = 8;  ///< solves that it does not see
 };

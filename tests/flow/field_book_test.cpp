@@ -1,6 +1,7 @@
 #include "samara/flow/books/field_book.h"
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include <catch2/catch.hpp>
@@ -9,6 +10,7 @@
 #include "samara/codebooks/query/place_query.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/flow/books/cell_mesh.h"
+#include "samara/flow/books/energy_book.h"
 #include "samara/flow/books/field_flow.h"
 #include "samara/flow/books/leja_grid.h"
 
@@ -65,6 +67,64 @@ TEST_CASE(
   CHECK_THAT(moved(0, 1 + 3 * 2), WithinAbs(polynomial(0.0, -std::cos(std::numbers::pi * 2 / 3)), 1e-13));
   // A larger grid keeps what is there.
   CHECK(grid.missing({3, 5}) == 3);
+}
+
+TEST_CASE("a grid grows along the coordinate that needs it until the next node is foretold") {
+  LejaGrid grid(2);
+  const auto wave = [](double x, double y) { return std::exp(2.0 * x) + 0.1 * y; };
+  const auto solve = [&](const std::vector<double>& unit) -> Eigen::VectorXd {
+    return Eigen::VectorXd::Constant(1, wave(unit[0], unit[1]));
+  };
+  const auto apart = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return std::abs(a[0] - b[0]); };
+  const GridGrowth growth = grow(grid, solve, apart, 1e-3, 100);
+  CHECK(growth.status == Termination::converged);
+  CHECK(growth.worst <= 1e-3);
+  CHECK(grid.counts()[0] > 5);
+  CHECK(grid.counts()[1] == 3);
+  CHECK(growth.solved == static_cast<long>(grid.columns().size()));
+  for (const double x : {-0.9, 0.3, 0.77}) CHECK_THAT(grid.at({x, 0.4})[0], WithinAbs(wave(x, 0.4), 5e-3));
+
+  LejaGrid small(2);
+  const GridGrowth few = grow(small, solve, apart, 1e-9, 20);
+  CHECK(few.status == Termination::max_calls);
+  CHECK(few.solved <= 20);
+  CHECK(small.missing(small.counts()) == 0);
+}
+
+TEST_CASE("an energy book takes few flows, answers as they do, and goes on from its checkpoint") {
+  FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  plan.of_fields = false;
+  codebooks::BuildOptions options;
+  options.checkpoint = std::filesystem::temp_directory_path() / "samara_energy_book_test.checkpoint";
+  options.keep_checkpoint = true;
+  std::filesystem::remove(options.checkpoint);
+  const codebooks::BuildResult result = build_energy_book(plan, options);
+  INFO(result.message);
+  CHECK(result.met);
+  CHECK(result.book.build().strategy == "grid");
+  CHECK(result.book.build().evaluations <= 12);
+  codebooks::Query query(result.book);
+  Eigen::VectorXd asked(result.book.output_count());
+  const std::vector<double> point = {0.2};
+  query.values(point, asked);
+  const Eigen::VectorXd solved = solve_energy(plan, point, {});
+  CHECK_THAT(asked(0), WithinAbs(solved(0), 0.04 * std::abs(solved(0))));  // C_D
+  CHECK_THAT(asked(1), WithinAbs(solved(1), 0.04));                        // C_L
+
+  // From the flows that are kept: one that is solved would be cancelled.
+  options.resume = true;
+  options.progress = [](const Progress& report) { return !report.stage.starts_with("flow at"); };
+  const codebooks::BuildResult again = build_energy_book(plan, options);
+  Eigen::VectorXd the_same(again.book.output_count());
+  codebooks::Query(again.book).values(point, the_same);
+  CHECK(the_same == asked);
+  CHECK(again.book.certificate()->max_error == result.book.certificate()->max_error);
+  std::filesystem::remove(options.checkpoint);
+
+  plan.max_calls = 3;
+  CHECK_THROWS_WITH(build_energy_book(plan), Contains("max_calls") && Contains("at least 4"));
+  plan.box.clear();
+  CHECK_THROWS_WITH(build_energy_book(plan), Contains("needs a box"));
 }
 
 TEST_CASE("cells fill the box of their centres, and closed ones go on from the surface") {
