@@ -39,6 +39,7 @@ max_time = 400
 angle_of_attack = ["30 deg", "90 deg"]
 log10_reynolds = [4, 5]
 [book]
+max_calls = 40
 certificate_points = 8
 )";
 }
@@ -54,18 +55,25 @@ void run_energy_book(const Options& options) {
   build.resume = true;
   const codebooks::BuildResult result = flow::build_energy_book(plan, build);
   const std::vector<codebooks::OutputError>& outputs = result.book.certificate()->outputs;
-  double worst = 0.0, worst_change = 0.0;
-  const Eigen::VectorXd change = flow::discretisation(plan, result.book, {});
-  for (const char* name : {"C_D", "k_near", "strouhal"}) {
-    const auto output = std::ranges::find(outputs, name, &codebooks::OutputError::name);
-    worst = std::max(worst, output->max);
-    worst_change = std::max(worst_change, change[output - outputs.begin()]);
-  }
-  print({kFlow, "energy_book", "certificate_max", worst, "1", "flows the builder did not see"});
-  print({kFlow, "energy_book", "certificate_max_all", result.book.certificate()->max_error, "1",
-         "flows the builder did not see"});
-  print({kFlow, "energy_book", "discretisation", worst_change, "1", "twice the cells"});
+  const auto worst_of = [&](const auto& error_of) {
+    double worst = 0.0;
+    for (const char* name : {"C_D", "k_near", "strouhal"}) {
+      const auto output = std::ranges::find(outputs, name, &codebooks::OutputError::name);
+      worst = std::max(worst, error_of(output - outputs.begin()));
+    }
+    return worst;
+  };
   print({kFlow, "energy_book", "calls", result.book.build().evaluations, "flows"});
+  print({kFlow, "energy_book", "certificate_max",
+         worst_of([&](std::ptrdiff_t o) { return outputs[static_cast<std::size_t>(o)].max; }), "1",
+         "flows the builder did not see"});
+  for (const codebooks::OutputError& output : outputs)
+    print({kFlow, "energy_book", "certificate_max_" + output.name, output.max, "1",
+           "flows the builder did not see"});
+  // The flows on twice the cells are the longest, and come when all else is said.
+  const Eigen::VectorXd change = flow::discretisation(plan, result.book, {});
+  print({kFlow, "energy_book", "discretisation", worst_of([&](std::ptrdiff_t o) { return change[o]; }), "1",
+         "twice the cells"});
   std::filesystem::remove(build.checkpoint);
 }
 

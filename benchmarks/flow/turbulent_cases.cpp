@@ -34,7 +34,7 @@ FlowResult run_body(const std::string& name, FlowCase flow, int cells, const cha
   FlowOptions options;
   options.checkpoint = checkpoint_of(name, cells);
   options.resume = true;
-  options.max_time = 300.0;
+  options.max_time = 600.0;  // finer grids begin to shed later
   const FlowResult result = solve_flow(flow, options);
   if (result.status != FlowStatus::steady && result.status != FlowStatus::averaged)
     throw NoResultError(fmt::format("{} at {} cells: {}", name, cells, result.message));
