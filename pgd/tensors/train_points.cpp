@@ -1,7 +1,9 @@
 #include "samara/pgd/tensors/train_points.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "samara/base/parallel.h"
 #include "samara/pgd/tensors/train_algebra.h"
@@ -47,6 +49,41 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axe
   return values;
 }
 
+namespace {
+
+/// Sets after(:, j) to the core at the place of point j times after(:, j). Of a core, the nodes of elements in which
+/// there are points are read.
+void go_through(const TrainCore& core, const Axis& axis, const Eigen::Ref<const Eigen::RowVectorXd>& places,
+                Eigen::MatrixXd& after) {
+  const Eigen::Index count = places.size(), left = core.left, width = axis.stencil_size();
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(count)), firsts(static_cast<std::size_t>(count));
+  std::iota(order.begin(), order.end(), 0);
+  Eigen::MatrixXd weights(width, count);
+  InterpolationStencil stencil = axis.make_stencil();
+  for (Eigen::Index j = 0; j < count; ++j) {
+    axis.interpolate(places[j], stencil, false);
+    weights.col(j) = stencil.value;
+    firsts[static_cast<std::size_t>(j)] = stencil.first;
+  }
+  const auto first_of = [&](Eigen::Index j) { return firsts[static_cast<std::size_t>(j)]; };
+  std::ranges::stable_sort(order, {}, first_of);
+  Eigen::MatrixXd before(left, count);
+  for (auto begin = order.cbegin(); begin != order.cend();) {
+    const Eigen::Index first = first_of(*begin);
+    const auto end = std::find_if(begin, order.cend(), [&](Eigen::Index j) { return first_of(j) != first; });
+    const std::vector<Eigen::Index> together(begin, end);
+    const Eigen::MatrixXd at_nodes =
+        core.left_unfolding().middleRows(left * first, left * width) * after(Eigen::all, together);
+    for (std::size_t m = 0; m < together.size(); ++m)
+      before.col(together[m]).noalias() =
+          at_nodes.col(static_cast<Eigen::Index>(m)).reshaped(left, width) * weights.col(together[m]);
+    begin = end;
+  }
+  after = std::move(before);
+}
+
+}  // namespace
+
 Eigen::MatrixXd many_values_at(const TensorTrain& train, const std::vector<Axis>& axes,
                                const Eigen::MatrixXd& points) {
   constexpr Eigen::Index kTogether = 64;
@@ -54,20 +91,9 @@ Eigen::MatrixXd many_values_at(const TensorTrain& train, const std::vector<Axis>
   parallel_for((points.cols() + kTogether - 1) / kTogether, [&](Eigen::Index block) {
     const Eigen::Index first = block * kTogether, count = std::min(kTogether, points.cols() - first);
     Eigen::MatrixXd after = Eigen::MatrixXd::Ones(1, count);
-    for (std::size_t k = axes.size(); k-- > 0;) {
-      const TrainCore& core = train.cores[k + 1];
-      const Eigen::MatrixXd at_nodes = core.left_unfolding() * after;
-      after.resize(core.left, count);
-      InterpolationStencil stencil = axes[k].make_stencil();
-      for (Eigen::Index j = 0; j < count; ++j) {
-        axes[k].interpolate(points(static_cast<Eigen::Index>(k), first + j), stencil, false);
-        after.col(j).noalias() = at_nodes.col(j)
-                                     .segment(Eigen::Index{core.left} * stencil.first,
-                                              Eigen::Index{core.left} * stencil.value.size())
-                                     .reshaped(core.left, stencil.value.size()) *
-                                 stencil.value;
-      }
-    }
+    for (std::size_t k = axes.size(); k-- > 0;)
+      go_through(train.cores[k + 1], axes[k], points.row(static_cast<Eigen::Index>(k)).segment(first, count),
+                 after);
     values.middleCols(first, count).noalias() = train.cores[0].left_unfolding() * after;
   });
   return values;

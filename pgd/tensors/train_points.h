@@ -20,10 +20,9 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const IndexBatch& entries);
 Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axes,
                           const Eigen::MatrixXd& points);
 
-/// The same to rounding, at many points: one product of matrices per mode and block of points, on all threads of the
-/// arena in which it is called. What values_at() reads of every core for each point, this reads once for a block, and
-/// of every core whole: O(points r^2) for each node of an axis, where values_at() takes those of the stencil alone.
-/// Meant for axes of polynomials, whose stencil is all nodes of an element; of many short elements values_at() is less.
+/// The same to rounding, at many points: products of matrices per mode, element and block of points, on all threads of
+/// the arena in which it is called. What values_at() reads of every core for each point, this reads once for the points
+/// of a block that lie in the same element.
 Eigen::MatrixXd many_values_at(const TensorTrain& train, const std::vector<Axis>& axes,
                                const Eigen::MatrixXd& points);
 
