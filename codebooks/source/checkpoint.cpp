@@ -122,6 +122,21 @@ void take_sheets(std::string_view record, std::vector<CallSheet>& calls) {
   }
 }
 
+/// The first lines that differ.
+std::string first_difference(std::string_view its, std::string_view ours) {
+  const auto next_line = [](std::string_view& text) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    return line;
+  };
+  std::string_view of_its, of_ours;
+  while (of_its == of_ours && !(its.empty() && ours.empty())) {
+    of_its = next_line(its);
+    of_ours = next_line(ours);
+  }
+  return fmt::format("\"{}\" stands there where this one has \"{}\"", of_its, of_ours);
+}
+
 /// Whether the list begins with the other.
 bool goes_on(const std::vector<double>& list, const std::vector<double>& before) {
   return list.size() >= before.size() &&
@@ -182,8 +197,13 @@ Checkpoint::Contents Checkpoint::read(std::optional<Journal>& journal) const {
     throw bad_checkpoint(
         path_, fmt::format("the checkpoint was not written by samara {}, format {}", version(), kVersion));
   }
-  if (records.size() < 2 || records[1] != kPlan + plan_)
-    throw bad_checkpoint(path_, "the checkpoint belongs to another plan");
+  if (records.size() < 2 || records[1].empty() || records[1].front() != kPlan)
+    throw bad_checkpoint(path_, "the checkpoint is damaged: it does not say of which plan it is");
+  if (const std::string_view its = std::string_view(records[1]).substr(1); its != plan_) {
+    throw bad_checkpoint(
+        path_, fmt::format("the checkpoint belongs to another plan, or was begun with other options: {}",
+                           first_difference(its, plan_)));
+  }
   EditedList march, steps;
   Contents contents;
   try {

@@ -180,9 +180,11 @@ TEST_CASE("a checkpoint of another plan is refused and left alone") {
   const std::string before = content(checkpoint);
   BuildOptions options = options_with(checkpoint);
   options.resume = true;
-  for (const std::string& other : {coin_plan() + "# a remark\n", coin_plan() + "seed = 2\n"}) {
+  for (const std::string line : {"# a remark", "seed = 2"}) {
+    const std::string other = coin_plan() + line + "\n";
     CHECK_THAT(error_text<InputError>([&] { build(parse_plan(other, "other.toml"), options); }),
-               Contains(checkpoint.string() + ": the checkpoint belongs to another plan"));
+               Contains(checkpoint.string() + ": the checkpoint belongs to another plan") &&
+                   Contains("where this one has \"" + line + "\""));
   }
   CHECK(content(checkpoint) == before);
 }
