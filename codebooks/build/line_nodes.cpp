@@ -77,16 +77,54 @@ void LineNodes::look_along(Index coordinate, const Eigen::MatrixXd& bases, doubl
     if (nodes_for(tail, bound) < count - 1) break;
     if (count >= max_nodes_) break;
   }
+  std::optional<Front> front;
   if (tail[std::min<Index>(max_nodes_, tail.size() - 1)] > tolerance)
-    find_front(coordinate, bases, tolerance);
-  tails_.push_back(std::move(tail));
+    front = front_along(coordinate, bases, tolerance);
+  const auto k = static_cast<std::size_t>(coordinate);
+  if (k == tails_.size()) {
+    tails_.emplace_back();
+    fronts_.emplace_back();
+    elements_.emplace_back();
+  }
+  // Behind the last coefficients of a look that needed fewer there is nothing.
+  const Index most = std::max(tail.size(), tails_[k].size());
+  tail.conservativeResizeLike(Eigen::VectorXd::Zero(most));
+  tails_[k].conservativeResizeLike(Eigen::VectorXd::Zero(most));
+  tails_[k] = tails_[k].cwiseMax(tail);
+  if (front && (!fronts_[k] || fronts_[k]->error < front->error)) fronts_[k] = std::move(front);
 }
 
 std::vector<int> LineNodes::within(double bound) const {
   std::vector<int> nodes;
-  for (const Eigen::VectorXd& tail : tails_)
-    nodes.push_back(std::clamp(nodes_for(tail, bound), 2, max_nodes_));
+  for (std::size_t k = 0; k < tails_.size(); ++k)
+    nodes.push_back(elements_[k] ? elements_[k]->size()
+                                 : std::clamp(nodes_for(tails_[k], bound), 2, max_nodes_));
   return nodes;
+}
+
+bool LineNodes::needs_more(Index coordinate, double bound) const {
+  return nodes_for(tails_[static_cast<std::size_t>(coordinate)], bound) > max_nodes_;
+}
+
+void LineNodes::set_elements(Index coordinate, pgd::Axis axis) {
+  elements_[static_cast<std::size_t>(coordinate)] = std::move(axis);
+}
+
+const std::optional<pgd::Axis>& LineNodes::elements(Index coordinate) const {
+  return elements_[static_cast<std::size_t>(coordinate)];
+}
+
+bool LineNodes::has_elements() const {
+  return std::ranges::any_of(elements_, [](const auto& axis) { return axis.has_value(); });
+}
+
+const Front* LineNodes::front() const {
+  const Front* worst = nullptr;
+  for (std::size_t k = 0; k < fronts_.size(); ++k) {
+    if (fronts_[k] && !elements_[k] && (worst == nullptr || worst->error < fronts_[k]->error))
+      worst = &*fronts_[k];
+  }
+  return worst;
 }
 
 /// Points along all lines, line by line.
@@ -112,7 +150,8 @@ Eigen::VectorXd LineNodes::tail_along(Index coordinate, const Eigen::MatrixXd& b
 }
 
 /// Sums of coefficients bound errors from above. Here the error itself is looked at, between the nodes.
-void LineNodes::find_front(Index coordinate, const Eigen::MatrixXd& bases, double tolerance) {
+std::optional<Front> LineNodes::front_along(Index coordinate, const Eigen::MatrixXd& bases,
+                                            double tolerance) const {
   const int count = 2 * max_nodes_ - 1;  // every other one is a node of the coarse axis
   const pgd::Axis coarse = axis_of_(coordinate, max_nodes_), fine = axis_of_(coordinate, count);
   const Eigen::MatrixXd between = pgd::interpolation_matrix(coarse, fine.nodes());
@@ -132,7 +171,7 @@ void LineNodes::find_front(Index coordinate, const Eigen::MatrixXd& bases, doubl
       base = bases.col(first + line);
     }
   }
-  if (!(worst.error > tolerance) || (front_ && front_->error >= worst.error)) return;
+  if (!(worst.error > tolerance)) return {};
   worst.coordinate = coordinate;
   for (int more = count; more <= kMostFront && worst.nodes == 0; more = 2 * more - 1) {
     const Eigen::MatrixXd points = lines(coordinate, base, more);
@@ -147,7 +186,7 @@ void LineNodes::find_front(Index coordinate, const Eigen::MatrixXd& bases, doubl
     const int nodes = nodes_for(tail_of(values, chebyshev_transform(more)), tolerance);
     if (nodes < more - 1) worst.nodes = nodes;
   }
-  front_ = std::move(worst);
+  return worst;
 }
 
 }  // namespace samara::codebooks

@@ -41,21 +41,33 @@ class LineNodes {
   /// @param max_nodes at most kMostLine
   LineNodes(AxisOf axis_of, Values values, int max_nodes);
 
-  /// To be called for the coordinates in their order. @param bases points that the lines go through, a multiple of 8
+  /// To be called for the coordinates in their order, and then again for any: what all looks have seen counts.
+  /// @param bases points that the lines go through, a multiple of 8
   /// @param bound which nodes have to be told apart: what is left behind the last ones
   /// @param tolerance a line that errs by more with as many nodes as are allowed is a front
   void look_along(Eigen::Index coordinate, const Eigen::MatrixXd& bases, double bound, double tolerance);
 
-  /// Per coordinate the fewest nodes behind which less than `bound` is left along all lines.
+  /// Per coordinate the fewest nodes behind which less than `bound` is left along all lines; of one in elements, all of
+  /// its nodes.
   std::vector<int> within(double bound) const;
+  /// Whether as many as are allowed leave more.
+  bool needs_more(Eigen::Index coordinate, double bound) const;
 
-  /// The worst, if there is one: no cross over such nodes can meet the tolerance.
-  const std::optional<Front>& front() const { return front_; }
+  /// Has a coordinate in elements instead (line_elements.h), which follow its fronts.
+  void set_elements(Eigen::Index coordinate, pgd::Axis axis);
+  /// Nothing where one polynomial is to do.
+  const std::optional<pgd::Axis>& elements(Eigen::Index coordinate) const;
+  bool has_elements() const;
+
+  /// The worst, of coordinates that are not in elements; null if there is none: no cross over such nodes can meet the
+  /// tolerance.
+  const Front* front() const;
 
  private:
   Eigen::MatrixXd lines(Eigen::Index coordinate, const Eigen::MatrixXd& bases, int count) const;
   Eigen::VectorXd tail_along(Eigen::Index coordinate, const Eigen::MatrixXd& bases, int count) const;
-  void find_front(Eigen::Index coordinate, const Eigen::MatrixXd& bases, double tolerance);
+  std::optional<Front> front_along(Eigen::Index coordinate, const Eigen::MatrixXd& bases,
+                                   double tolerance) const;
 
   AxisOf axis_of_;
   Values values_;
@@ -63,7 +75,8 @@ class LineNodes {
   /// Per coordinate, what the coefficients from each number on sum to: the error of so many nodes, along the worst of
   /// the lines.
   std::vector<Eigen::VectorXd> tails_;
-  std::optional<Front> front_;
+  std::vector<std::optional<Front>> fronts_;
+  std::vector<std::optional<pgd::Axis>> elements_;
 };
 
 }  // namespace samara::codebooks

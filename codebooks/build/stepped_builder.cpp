@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/build/line_elements.h"
 #include "samara/codebooks/build/line_nodes.h"
 #include "samara/codebooks/build/stepped_skeleton.h"
 #include "samara/codebooks/build/stepped_state.h"
@@ -41,11 +43,17 @@ constexpr double kFreshMargin = 0.6;
 constexpr double kShareOfRounding = 0.1;
 
 constexpr int kPilots = 64;
+constexpr int kLines = 32;
 constexpr int kCheckPoints = 2000;
 constexpr int kMaxNodes = 128;
+constexpr int kMaxElementNodes = 512;
+/// A coordinate whose polynomial takes more nodes than these is tried in elements.
+constexpr int kLongLine = 64;
 constexpr int kMaxRank = 400;
 /// Trajectories of a cross that cannot meet the tolerance.
 constexpr long kMostBeforeFront = 1'000'000;
+/// Those of one over elements, where the plan sets no limit.
+constexpr long kMostOverElements = 2'000'000;
 
 /// Half of the points in corners of the box, half inside.
 Eigen::MatrixXd corners_and_inside(const Plan& plan, int count, pgd::Random& random) {
@@ -71,7 +79,7 @@ class SteppedBuild {
         trajectories_(model, plan.end / kFirstSteps, plan.builder.threads, max_calls, progress),
         random_(plan.builder.seed),
         max_rank_(plan.builder.max_rank.value_or(kMaxRank)),
-        lines_([this](Index k, int nodes) { return axis_of(k, nodes); },
+        lines_([this](Index k, int nodes) { return polynomial_axis(k, nodes); },
                [this](const Eigen::MatrixXd& points) { return scaled_values(points, times_); },
                std::min(plan.builder.max_nodes.value_or(kMaxNodes), LineNodes::kMostLine)) {
     record_.builder = "sampling";
@@ -139,27 +147,82 @@ class SteppedBuild {
                       fmt::format("{} elements of time do not follow the motion", mesh_->axis.elements())});
   }
 
-  pgd::Axis axis_of(Index coordinate, int nodes) const {
+  pgd::Axis polynomial_axis(Index coordinate, int nodes) const {
     const BoxEntry& entry = plan_.box[static_cast<std::size_t>(coordinate)];
     return pgd::Axis::chebyshev(source_.coordinates[static_cast<std::size_t>(coordinate)], entry.lower,
                                 entry.upper, nodes);
   }
 
   void look_along_lines() {
-    constexpr int kLines = 32;
     for (Index k = 0; k < coordinates(); ++k) {
       trajectories_.tell("lines", static_cast<double>(k) / static_cast<double>(coordinates()));
-      lines_.look_along(k, corners_and_inside(plan_, kLines, random_), 0.1 * kShareOfNodes * plan_.relative,
-                        plan_.relative);
+      look_along(lines_, k, corners_and_inside(plan_, kLines, random_));
     }
+    if (std::ranges::max(lines_.within(kShareOfNodes * plan_.relative)) > kLongLine) try_elements();
+  }
+
+  void look_along(LineNodes& lines, Index coordinate, const Eigen::MatrixXd& bases) const {
+    lines.look_along(coordinate, bases, 0.1 * kShareOfNodes * plan_.relative, plan_.relative);
+  }
+
+  /// Where a polynomial takes many nodes elements may take fewer, and follow a front that no polynomial does. Few lines
+  /// through the box cross a front: once its places are known, all coordinates are looked along from there.
+  void try_elements() {
+    LineNodes lines = lines_;
+    const double bound = kShareOfNodes * plan_.relative;
+    Eigen::MatrixXd places(coordinates(), 0);
+    const auto bases = [&] {
+      Eigen::MatrixXd some = corners_and_inside(plan_, kLines, random_);
+      for (Index j = 0; j < some.cols() && places.cols() > 0; ++j) {
+        if (j % 4 != 3) some.col(j) = places.col(random_.below(static_cast<int>(places.cols())));
+      }
+      return some;
+    };
+    const auto cut = [&](Index k) {
+      const int nodes = lines.within(bound)[static_cast<std::size_t>(k)];
+      if (lines.elements(k) || nodes <= kLongLine) return;
+      trajectories_.tell("elements", static_cast<double>(k) / static_cast<double>(coordinates()));
+      std::optional<LineElements> found = elements_of(k, bases);
+      if (!found || (found->axis.size() >= nodes && !lines.needs_more(k, bound))) return;
+      lines.set_elements(k, std::move(found->axis));
+      const Index known = places.cols();
+      places.conservativeResize(Eigen::NoChange, known + found->steepest.cols());
+      places.rightCols(found->steepest.cols()) = found->steepest;
+    };
+    std::vector<Index> order;
+    for (Index k = 0; k < coordinates(); ++k) order.push_back(k);
+    const std::vector<int> nodes = lines.within(bound);
+    std::ranges::stable_sort(order, std::greater<>(),
+                             [&](Index k) { return nodes[static_cast<std::size_t>(k)]; });
+    std::ranges::for_each(order, cut);
+    if (!lines.has_elements()) return;
+    for (const Index k : order) {
+      if (!lines.elements(k)) look_along(lines, k, bases());
+      cut(k);
+    }
+    if (lines.front() == nullptr) lines_ = std::move(lines);
+  }
+
+  std::optional<LineElements> elements_of(Index coordinate, const std::function<Eigen::MatrixXd()>& bases) {
+    LineElementsOptions options;
+    // Twice: an error that is seen, not a bound of it.
+    options.tolerance = 2.0 * kShareOfNodes * plan_.relative;
+    options.max_nodes = plan_.builder.max_nodes.value_or(kMaxElementNodes);
+    options.max_points = std::min(options.max_points, trajectories_.left() / 8);
+    const BoxEntry& entry = plan_.box[static_cast<std::size_t>(coordinate)];
+    const auto values = [&](const Eigen::MatrixXd& points) { return scaled_values(points, times_); };
+    return elements_along(coordinate, source_.coordinates[static_cast<std::size_t>(coordinate)], entry.lower,
+                          entry.upper, values, bases, options);
   }
 
   /// The first round is a coarse one: its pivots make the next cheaper, and its field is there if the calls end. Where
-  /// nodes do not suffice it is the only one: right away from the front.
+  /// nodes do not suffice it is the only one: right away from the front. Over elements ranks are so high that pivots of
+  /// a coarse round, twice as many with the first sweep, cost more than they help.
   void begin() {
     constexpr double kCoarse = 5.0;
-    state_.cross_share = kCoarse * kShareOfCross;
-    state_.node_share = 2.0 * kCoarse * kShareOfNodes;
+    const bool is_coarse = !lines_.has_elements();
+    state_.cross_share = (is_coarse ? kCoarse : 1.0) * kShareOfCross;
+    state_.node_share = (is_coarse ? 2.0 * kCoarse : 1.0) * kShareOfNodes;
     state_.random = random_;
     state_.calls = trajectories_.calls();
     state_.times = times_;
@@ -193,15 +256,25 @@ class SteppedBuild {
 
   Skeleton skeleton(double bound) {
     const auto some = [&](int count) {
-      return scaled_values(corners_and_inside(plan_, count, random_), times_);
+      Eigen::MatrixXd points = corners_and_inside(plan_, count, random_);
+      if (lines_.has_elements()) points.leftCols(count / 2) = points_near_fronts(count / 2);
+      return scaled_values(points, times_);
     };
     return find_skeleton(some, times_, scale_, 4 * max_rank_, bound);
   }
 
   std::vector<pgd::Axis> axes_of(const std::vector<int>& nodes) const {
     std::vector<pgd::Axis> axes;
-    for (Index k = 0; k < coordinates(); ++k) axes.push_back(axis_of(k, nodes[static_cast<std::size_t>(k)]));
+    for (Index k = 0; k < coordinates(); ++k) {
+      const std::optional<pgd::Axis>& elements = lines_.elements(k);
+      axes.push_back(elements ? *elements : polynomial_axis(k, nodes[static_cast<std::size_t>(k)]));
+    }
     return axes;
+  }
+
+  /// Where elements are short, as densely as they lie.
+  Eigen::MatrixXd points_near_fronts(int count) {
+    return points_by_elements(axes_of(lines_.within(plan_.relative)), count, random_);
   }
 
   /// The train of all states at all times over the grid, by crosses whose guards err by at most `tolerance`.
@@ -220,6 +293,7 @@ class SteppedBuild {
     options.first_pivots = 50;
     options.growth = 1.0;
     if (lines_.front()) options.max_evaluations = kMostBeforeFront;
+    if (lines_.has_elements() && plan_.builder.max_calls == 0) options.max_evaluations = kMostOverElements;
     options.seed = random_.bits();
     if (!state_.nodes.empty()) options.start = pgd::carried_over(state_.pivots, state_.nodes, nodes);
     options.checkpoint = [this](pgd::CrossState& sweep) {
@@ -241,7 +315,8 @@ class SteppedBuild {
     return cross;
   }
 
-  /// Largest error at fresh points, off the grid, of all states at all times.
+  /// Largest error at fresh points, off the grid, of all states at all times. Where there are fronts, half of the
+  /// points lie about them.
   double error_of(const pgd::TensorTrain& train) {
     const std::vector<pgd::Axis> axes = axes_of(state_.nodes);
     Eigen::MatrixXd points(coordinates(), kCheckPoints);
@@ -250,6 +325,7 @@ class SteppedBuild {
       const BoxEntry& entry = plan_.box[static_cast<std::size_t>(k)];
       points.row(k) = (entry.lower + (entry.upper - entry.lower) * points.row(k).array()).matrix();
     }
+    if (lines_.has_elements()) points.leftCols(kCheckPoints / 2) = points_near_fronts(kCheckPoints / 2);
     double largest = 0.0;
     constexpr Index kTogether = 500;
     for (Index first = 0; first < points.cols(); first += kTogether) {
@@ -290,8 +366,9 @@ class SteppedBuild {
   }
 
   void approximate() {
-    trajectories_.tell(state_.round == 1
-                           ? "coarse cross"
+    trajectories_.tell(state_.cross_share > kShareOfCross ? "coarse cross"
+                       : state_.round == 1
+                           ? "cross"
                            : fmt::format("cross {}, the last errs by {:.2g}", state_.round - 1, state_.error),
                        0.0);
     const double tolerance = state_.cross_share * plan_.relative;
@@ -317,9 +394,16 @@ class SteppedBuild {
   /// For the next round. @param is_refuted by the certificate, at points that tell nodes from ranks no more than fresh
   /// ones have  @throws SteppedEnd where ranks or nodes do not allow it
   void tighten(bool is_refuted) {
+    // Left by a cross that did not end.
+    if (lines_.has_elements() && !state_.are_ranks_used_up &&
+        state_.guard_error > 2.0 * state_.cross_share * plan_.relative) {
+      throw SteppedEnd({Termination::exhausted,
+                        fmt::format("fronts move through the box: a cross over {} nodes still errs by {:.2g}",
+                                    fmt::join(state_.nodes, " x "), state_.guard_error)});
+    }
     // The cross errs at nodes already, or only between them.
     const bool needs_nodes = state_.error > 2.0 * state_.guard_error;
-    if (state_.round == 1) {
+    if (state_.cross_share > kShareOfCross) {
       state_.cross_share = kShareOfCross;
       state_.node_share = kShareOfNodes;
     } else {
@@ -331,8 +415,8 @@ class SteppedBuild {
         state_.round > 1 && needs_nodes && lines_.within(state_.node_share * plan_.relative) == state_.nodes;
     // One that errs by little is worth a fine round.
     constexpr double kLittle = 10.0;
-    const std::optional<Front>& front = lines_.front();
-    if (front && (state_.round > 1 || front->error > kLittle * plan_.relative)) {
+    const Front* front = lines_.front();
+    if (front != nullptr && (state_.round > 1 || front->error > kLittle * plan_.relative)) {
       throw SteppedEnd(
           {Termination::exhausted,
            fmt::format("{}; {}",
@@ -347,12 +431,22 @@ class SteppedBuild {
     state_.is_crossed = false;
   }
 
+  /// Mean squares over all nodes know of fronts, points of the whole box hardly: some are told.
+  void round_off(const pgd::TrainField& field, double tolerance) {
+    Eigen::MatrixXd centres;
+    if (lines_.has_elements()) {
+      constexpr int kCentres = 1000;
+      pgd::Random random(plan_.builder.seed);
+      centres = points_by_elements(field.axes(), kCentres, random);
+    }
+    rounded_ = pgd::rounded(field, scale_, tolerance, plan_.builder.seed, centres);
+  }
+
   /// The best field, with fewer numbers, before the certificate. What is wrong is built again, smaller.
   bool is_certified() {
     const double unused = std::max(0.0, 0.5 * plan_.relative - state_.best_error);
     const pgd::TrainField field = best_field();
-    rounded_ = pgd::rounded(field, scale_, std::ldexp(kShareOfRounding * plan_.relative + unused, -refuted_),
-                            plan_.builder.seed);
+    round_off(field, std::ldexp(kShareOfRounding * plan_.relative + unused, -refuted_));
     Measured measured = certify_claim_(rounded_->field, static_cast<double>(trajectories_.calls()));
     if (measured.wrong.cols() > 0) {
       ++refuted_;
@@ -368,7 +462,7 @@ class SteppedBuild {
   Outcome<Solution> solution() {
     const pgd::TrainField field = best_field();
     if (record_.status != Termination::converged) {
-      rounded_ = pgd::rounded(field, scale_, kShareOfRounding * plan_.relative, plan_.builder.seed);
+      round_off(field, kShareOfRounding * plan_.relative);
       record_.message +=
           fmt::format("; the best field errs by {:.3g} at {} points", state_.best_error, kCheckPoints);
     }
@@ -377,6 +471,10 @@ class SteppedBuild {
         "to {}",
         trajectories_.calls(), trajectories_.step(), mesh_->axis.elements(),
         fmt::join(state_.nodes_of_best, " x "), field.entries(), rounded_->field.entries());
+    for (Index k = 0; k < coordinates(); ++k) {
+      if (const std::optional<pgd::Axis>& axis = lines_.elements(k))
+        record_.message += fmt::format("; {} elements along {}", axis->elements(), axis->name());
+    }
     record_.evaluations = static_cast<double>(trajectories_.calls());
     record_.grid_size = 1.0;
     for (const int n : state_.nodes_of_best) record_.grid_size *= n;

@@ -34,6 +34,8 @@ class SteppedTrajectories {
   double step() const { return step_; }
   void halve_step() { step_ *= 0.5; }
   long calls() const { return calls_; }
+  /// How many more are allowed.
+  long left() const { return max_calls_ - calls_; }
   /// Those of an interrupted build count, what is walked again to get there does not.
   void go_on_from(long calls) { calls_ = calls; }
   /// For the progress callback.

@@ -9,10 +9,14 @@
 
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/build/line_elements.h"
 #include "samara/codebooks/build/line_nodes.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
+#include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
 #include "samara/codebooks/source/checkpoint.h"
+#include "samara/codebooks/statistics/book_statistics.h"
 #include "samara/models/integrators/integrate.h"
 #include "same_codebook.h"
 #include "sample_books.h"
@@ -32,6 +36,26 @@ std::string stepped_plate(const std::string& builder, const std::string& end = "
 }
 
 const std::string kSteps = "kind = \"sampling\"\nstrategy = \"steps\"\n";
+
+/// x ends near 1 or -1, whichever side of -bias it starts on: a front of width e^(-rate end) that moves with the bias.
+std::string parting(const std::string& builder) {
+  return R"toml([equations]
+name = "parting"
+states.x = { initial = 0 }
+parameters.bias = { default = 0 }
+parameters.rate = { unit = "1/s", default = 4, above = 0 }
+rates.x = "rate*(x - x^3 + bias)"
+[box]
+"x(0)" = [-1, 1]
+bias = [-0.1, 0.1]
+rate = [3.8, 4]
+[time]
+end = 1
+[tolerance]
+relative = 1e-3
+[builder]
+)toml" + builder;
+}
 
 BuildResult built_by_steps(const std::string& text, BuildOptions options = {.certificate_points = 200}) {
   return build(parse_plan(text, "plan.toml"), options);
@@ -302,6 +326,98 @@ TEST_CASE("the nodes of lines follow the width of a front, which is named where 
       CHECK(lines.front()->allowed == 128);
     }
   }
+}
+
+TEST_CASE("a front that moves is followed by elements, by values, derivatives and means") {
+  const BuildResult result = built_by_steps(parting(kSteps));
+  INFO(result.message << "; " << result.book.build().message);
+  CHECK(result.met);
+  CHECK_THAT(result.book.build().message, Contains("elements along x(0)"));
+  const TemporaryDirectory directory;
+  save(result.book, directory / "parting.h5");
+  const Codebook book = load(directory / "parting.h5");
+  const samara::pgd::Axis& axis = book.pieces().front().groups().front().axes()[1];
+  CHECK(axis.elements() > 2);
+  const Eigen::VectorXd& borders = axis.borders();
+  const Eigen::VectorXd sizes = borders.tail(axis.elements()) - borders.head(axis.elements());
+  CHECK(sizes.maxCoeff() > 3.0 * sizes.minCoeff());
+
+  // Points of our own about the front, where the certificate has few. Slopes there are about e^(rate end) = 50; those of
+  // a polynomial err by its error times the square of its degree over half of an element.
+  const samara::models::ParametricModel model = model_of(book);
+  Query query(book);
+  samara::pgd::Random random(29);
+  Eigen::VectorXd value(1), ahead(1), behind(1);
+  Eigen::MatrixXd gradient(1, 4);
+  double worst = 0.0, worst_slope = 0.0, steepest = 0.0;
+  for (int j = 0; j < 500; ++j) {
+    const double bias = -0.1 + 0.2 * random.uniform();
+    const std::vector<double> x = {1.0, -bias + 0.2 * (random.uniform() - 0.5), bias,
+                                   3.8 + 0.2 * random.uniform()};
+    const auto exact_at = [&](double start) {
+      const std::vector<double> q = {start, x[2], x[3]};
+      return samara::models::integrate(model, q, std::vector<double>{1.0}).states(0, 0);
+    };
+    query.values(x, value, gradient);
+    worst = std::max(worst, std::abs(value[0] - exact_at(x[1])));
+    constexpr double kStep = 1e-5;
+    const double slope = (exact_at(x[1] + kStep) - exact_at(x[1] - kStep)) / (2.0 * kStep);
+    steepest = std::max(steepest, std::abs(slope));
+    worst_slope = std::max(worst_slope, std::abs(gradient(0, 1) - slope));
+  }
+  CHECK(worst <= 1e-3 * result.book.certificate()->outputs.front().range);
+  CHECK(steepest > 20.0);
+  CHECK(worst_slope <= 64.0 * worst / (0.5 * sizes.minCoeff()));
+
+  // Turned round, the box and the motion are the same: means vanish.
+  const BookStatistics statistics = take_statistics(book);
+  CHECK(statistics.outputs.front().mean.cwiseAbs().maxCoeff() <= 1e-3);
+  CHECK(statistics.inputs.size() == 3);
+}
+
+TEST_CASE("a build over elements that is killed and resumed equals an undisturbed one") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path checkpoint = directory / "book.h5.checkpoint";
+  const std::string plan = parting(kSteps);
+  const BuildResult undisturbed = built_by_steps(plan, {.certificate_points = 50});
+  struct Killed {};
+  BuildOptions options{.certificate_points = 50, .checkpoint = checkpoint};
+  int left = 3;  // reports after there is a state
+  options.progress = [&](const samara::Progress&) {
+    if (std::filesystem::exists(checkpoint) && --left < 0) throw Killed();
+    return true;
+  };
+  CHECK_THROWS_AS(built_by_steps(plan, options), Killed);
+  options.resume = true;
+  options.progress = {};
+  check_same_but_provenance(built_by_steps(plan, options).book, undisturbed.book);
+}
+
+TEST_CASE("elements are short where a front passes, and are given up where they would be too many") {
+  constexpr double kWidth = 0.01;
+  const auto values = [&](const Eigen::MatrixXd& points) -> Eigen::MatrixXd {
+    return ((points.row(0) - 0.2 * points.row(1)) / kWidth).array().tanh();
+  };
+  samara::pgd::Random random(3);
+  const auto bases = [&] {
+    Eigen::MatrixXd some(2, 16);
+    for (double& x : some.reshaped()) x = 2.0 * random.uniform() - 1.0;
+    return some;
+  };
+  LineElementsOptions options;
+  const std::optional<LineElements> found = elements_along(0, {"x"}, -1.0, 1.0, values, bases, options);
+  REQUIRE(found);
+  // The steepest places are in the middle of the front, to the distance of nodes, which is less than its width.
+  const Eigen::RowVectorXd off = found->steepest.row(0) - 0.2 * found->steepest.row(1);
+  CHECK(off.cwiseAbs().maxCoeff() <= kWidth);
+  const Eigen::VectorXd& borders = found->axis.borders();
+  for (int e = 0; e < found->axis.elements(); ++e) {
+    const double size = borders[e + 1] - borders[e], middle = 0.5 * (borders[e + 1] + borders[e]);
+    if (std::abs(middle) > 0.9) CHECK(size >= 0.2);
+    if (std::abs(middle) < 0.15) CHECK(size <= 8.0 * kWidth);
+  }
+  options.max_nodes = 40;
+  CHECK_FALSE(elements_along(0, {"x"}, -1.0, 1.0, values, bases, options));
 }
 
 TEST_CASE("steps are refused where there are no trajectories of a model to sample") {
