@@ -159,7 +159,7 @@ Capture cleaned(Capture capture, const Sidecar& sidecar) {
   std::string step;
   try {
     step = "frame_grid";
-    if (steps.frame_grid) capture = on_frame_grid(capture).capture;
+    if (steps.frame_grid) capture = on_frame_grid(capture, steps.frame_period).capture;
     step = "before_impact";
     if (steps.impact) capture = before_impact(capture, {.jump = *steps.impact}).capture;
     step = "inside";

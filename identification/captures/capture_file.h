@@ -54,7 +54,7 @@
 ///     column = "drop"                    # the capture's cell of this name in group_by, or its file's stem
 ///
 ///     [clean]                            # see capture_cleaning.h; in this order
-///     frame_grid = true
+///     frame_grid = true                  # or the camera's frame period, "16.67 ms", if it is known
 ///     before_impact = "1.2 m/s"
 ///     inside = { z = ["3 cm", "3 m"] }   # ends before the first frame outside
 ///     outliers = 5

@@ -62,6 +62,11 @@ double common_interval(const Eigen::VectorXd& times) {
   return sum / count;
 }
 
+/// The grid of a period on which times lie best.
+Grid grid_of(const Eigen::VectorXd& times, double period) {
+  return {period, std::arg(resonance(times, period)) / (2.0 * std::numbers::pi) * period};
+}
+
 /// From the first frames to all: the longer the times, the sharper the peak, and the narrower the search.
 Grid resonant_grid(const Eigen::VectorXd& times) {
   constexpr double kRange = 0.03;  // the rounding of times takes the median interval off by up to a step
@@ -75,8 +80,7 @@ Grid resonant_grid(const Eigen::VectorXd& times) {
     if (count == times.size()) break;
     range = 1.0 / (frequency * (part[count - 1] - part[0]));
   }
-  const double period = 1.0 / frequency;
-  return {period, std::arg(resonance(times, period)) / (2.0 * std::numbers::pi) * period};
+  return grid_of(times, 1.0 / frequency);
 }
 
 /// Places on the grid that increase from frame to frame, with the least sum of distances: what a frame's
@@ -166,28 +170,32 @@ std::vector<long> without_late_frames(const Capture& capture, std::vector<long> 
   return places;
 }
 
-Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places) {
+/// @param known the period, if it is not to be fitted
+Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places, std::optional<double> known) {
   Eigen::VectorXd place(times.size());
   for (Index k = 0; k < place.size(); ++k)
     place[k] = static_cast<double>(places[static_cast<std::size_t>(k)]);
   const Eigen::VectorXd centred = place.array() - place.mean();
-  const double period = centred.dot(times) / centred.squaredNorm();
+  const double period = known.value_or(centred.dot(times) / centred.squaredNorm());
   return {period, times.mean() - period * place.mean()};
 }
 
 }  // namespace
 
-FrameGrid on_frame_grid(const Capture& capture) {
+FrameGrid on_frame_grid(const Capture& capture, std::optional<double> known_period) {
   const Eigen::VectorXd& times = capture.times;
+  if (known_period && !(*known_period > 0.0 && std::isfinite(*known_period)))
+    throw ArgumentError(
+        fmt::format("a frame period is {} s; a finite one of more than 0 was expected", *known_period));
   if (times.size() < 4) {
     throw ArgumentError(fmt::format("capture \"{}\" has {} frames; at least 4 were expected for a grid",
                                     capture.id, times.size()));
   }
-  Grid grid = resonant_grid(times);
+  Grid grid = known_period ? grid_of(times, *known_period) : resonant_grid(times);
   std::vector<long> places = increasing_places(times, grid);
-  grid = fitted_grid(times, places);
+  grid = fitted_grid(times, places, known_period);
   places = without_late_frames(capture, increasing_places(times, grid));
-  grid = fitted_grid(times, places);
+  grid = fitted_grid(times, places, known_period);
 
   FrameGrid result{.capture = capture, .period = grid.period};
   Eigen::VectorXd shifts(times.size());

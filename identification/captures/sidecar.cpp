@@ -188,15 +188,17 @@ CleaningSteps read_cleaning(const TomlTable& clean) {
       {"frame_grid", "before_impact", "inside", "outliers", "bandwidth", "window", "periods", "longest_gap"});
   const std::string bandwidth = clean.renamed("bandwidth", "window");
   CleaningSteps steps;
-  steps.frame_grid = clean.optional_boolean("frame_grid").value_or(false);
+  if (clean.is_string("frame_grid")) steps.frame_period = clean.quantity("frame_grid", "s");
+  steps.frame_grid = steps.frame_period || clean.optional_boolean("frame_grid").value_or(false);
   steps.impact = clean.optional_quantity("before_impact", "m/s");
   steps.outliers = clean.optional_number("outliers");
   steps.bandwidth = clean.optional_quantity(bandwidth, "s");
   steps.longest_gap = clean.optional_quantity("longest_gap", "s");
   using Step = std::pair<std::string, std::optional<double>>;
   for (const auto& [key, value] :
-       {Step("before_impact", steps.impact), Step("outliers", steps.outliers),
-        Step(bandwidth, steps.bandwidth), Step("longest_gap", steps.longest_gap)}) {
+       {Step("frame_grid", steps.frame_period), Step("before_impact", steps.impact),
+        Step("outliers", steps.outliers), Step(bandwidth, steps.bandwidth),
+        Step("longest_gap", steps.longest_gap)}) {
     if (value && !(*value > 0.0)) throw clean.error(key, fmt::format("{}; more than 0 was expected", *value));
   }
   if (clean.has("inside")) steps.inside = read_intervals(clean.table("inside"));

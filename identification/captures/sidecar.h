@@ -36,6 +36,7 @@ struct EulerColumns {
 /// Steps of capture_cleaning.h, in this order.
 struct CleaningSteps {
   bool frame_grid = false;
+  std::optional<double> frame_period = {};                       ///< s, of that grid; empty: fitted
   std::optional<double> impact = {};                             ///< m/s
   std::map<std::string, std::pair<double, double>> inside = {};  ///< m, lower and upper
   std::optional<double> outliers = {};                           ///< standard deviations

@@ -60,6 +60,34 @@ TEST_CASE("rounded times go back to the grid they came from") {
   }
 }
 
+TEST_CASE("a frame period that is known is kept, and frames are counted by it") {
+  const double period = 6.933e-3;
+  double largest_fitted = 0.0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937_64 random(seed);
+    const std::vector<int> numbers = numbers_with_drops(22, random);
+    Eigen::VectorXd times(22);
+    for (Index k = 0; k < 22; ++k)
+      times[k] = std::round(1e3 * (0.0001 * seed + period * numbers[static_cast<std::size_t>(k)])) / 1e3;
+    const Capture capture = capture_of(times, {{"x", "m", times}});
+    const FrameGrid grid = on_frame_grid(capture, period);
+    CHECK(grid.period == period);
+    for (Index k = 0; k < 22; ++k) {
+      CHECK(grid.capture.times[k] - times[0] ==
+            Approx(period * numbers[static_cast<std::size_t>(k)]).margin(1e-12));
+    }
+    largest_fitted = std::max(largest_fitted, std::abs(on_frame_grid(capture).period - period));
+  }
+  // Rounding has a standard deviation of 1/sqrt(12) ms, a slope through 22 of them sqrt(12)/22^1.5 of that: 0.14 % of the
+  // period. The largest of 20 is more.
+  CHECK(largest_fitted > 1e-3 * std::pow(22.0, -1.5));
+  const Capture capture = capture_of(Eigen::VectorXd::LinSpaced(9, 0.0, 0.8), {});
+  for (const double wrong : {0.0, -0.1, double{NAN}, double{INFINITY}})
+    CHECK_THROWS_AS(on_frame_grid(capture, wrong), samara::ArgumentError);
+  // By a period of half as much every second frame is missing.
+  CHECK(on_frame_grid(capture, 0.05).dropped_frames == 8);
+}
+
 TEST_CASE("a grid holds over a long recording") {
   const double period = 1.0 / 239.7;
   const Index count = 20000;

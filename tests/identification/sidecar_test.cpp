@@ -192,6 +192,14 @@ TEST_CASE("a sidecar can ask for cleaning") {
   CHECK(std::abs(ball.times[20] - 20 * 0.0069) < 2e-4);
   CHECK(std::isnan(ball.channel("z").values[10]));
   CHECK(ball.notes.size() >= 3);
+  const auto with_grid = [&](const std::string& grid) {
+    return files.put("grid.toml", fmt::format("file = \"ball.csv\"\n[clean]\nframe_grid = {}\n", grid));
+  };
+  const Capture of_period = read_captures(with_grid("\"6.905 ms\"")).front();
+  CHECK(of_period.times[20] == Approx(20 * 0.006905));
+  CHECK(known_at(of_period, 0.1).times[14] == Approx(14 * 0.006905));
+  CHECK_THROWS_WITH(read_captures(with_grid("\"-6.9 ms\"")), Catch::Contains("more than 0 was expected"));
+  CHECK_THROWS_WITH(read_captures(with_grid("\"145 Hz\"")), Catch::Contains("frame_grid"));
 }
 
 TEST_CASE("keys of a sidecar that make no sense are refused where they stand") {
