@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "real_data.h"
 #include "samara/identification/captures/capture_file.h"
@@ -127,16 +128,24 @@ struct Question {
   Eigen::Vector3d place;
 };
 
-std::optional<Question> question_of(const Capture& flight, const Horizon& horizon) {
-  const Eigen::VectorXd since = flight.times.array() - flight.times[0];
+/// @param first frame with which the window begins
+std::optional<Question> question_of(const Capture& flight, const Horizon& horizon, Eigen::Index first = 0) {
+  const Eigen::VectorXd since = flight.times.array() - flight.times[first];
   const double half_frame = 0.5 * (since[1] - since[0]);
   Eigen::Index frame = 0;
   (since.array() - horizon.end).abs().minCoeff(&frame);
   if (std::abs(since[frame] - horizon.end) > 1.01 * half_frame) return {};
   // Grid and impact without what came later.
-  const Capture known = samara::identification::known_at(flight, horizon.window);
-  return Question{frames_of(known, 0, known.frame_count(), known.times[0]), since[frame],
-                  positions_of(flight).row(frame).transpose()};
+  const Capture known = samara::identification::known_at(flight, horizon.window - since[0]);
+  const Eigen::Index begin = (known.times.array() < flight.times[first] - half_frame).count();
+  // A single frame may have another place on both grids, and so may the first.
+  const Eigen::VectorXd apart = flight.times.head(known.frame_count()) - known.times;
+  const double time = flight.times[frame] - median_of({apart.begin(), apart.end()});
+  const double origin = known.times[begin];
+  Question question{frames_of(known, begin, known.frame_count() - begin, origin), time - origin,
+                    positions_of(flight).row(frame).transpose()};
+  if (first > 0) question.seen.id += fmt::format(" from frame {}", first);
+  return question;
 }
 
 }  // namespace
@@ -257,19 +266,22 @@ Box box_with_spin() {
 }  // namespace
 
 std::vector<FlightMoment> flight_moments(const std::vector<Capture>& flights, const FitResult& fitted,
-                                         const Horizon& horizon) {
+                                         const Horizon& horizon, Eigen::Index stride) {
   std::vector<FlightMoment> moments;
   std::vector<Capture> seen;
   std::vector<double> times;
   for (const Capture& flight : flights) {
-    const auto question = question_of(flight, horizon);
-    if (!question) continue;
-    seen.push_back(question->seen);
-    times.push_back(question->time);
-    moments.push_back({.number = flight.labels.at("number"),
-                       .seen = question->seen,
-                       .time = question->time,
-                       .next = question->place.transpose()});
+    for (Eigen::Index first = 0; first < (stride > 0 ? flight.frame_count() : 1); first += stride) {
+      const auto question = question_of(flight, horizon, first);
+      if (!question) break;
+      seen.push_back(question->seen);
+      times.push_back(question->time);
+      moments.push_back({.number = flight.labels.at("number"),
+                         .seen = question->seen,
+                         .time = question->time,
+                         .next = question->place.transpose()});
+      if (stride <= 0) break;
+    }
   }
   if (seen.empty()) return moments;
   const auto places = carried_on(*family("sphere_flight", forces_of(fitted), box_with_spin()),

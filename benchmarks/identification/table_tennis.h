@@ -79,8 +79,9 @@ struct FlightMoment {
   double time = 0.0;                         ///< s, in the times of what was seen
   Eigen::RowVector3d next = {}, model = {};  ///< m; the model's infinite where it has no motion
 };
+/// @param stride frames from one window of a flight to the next; 0: the first one alone
 std::vector<FlightMoment> flight_moments(const std::vector<Capture>& flights, const FitResult& fitted,
-                                         const Horizon& horizon);
+                                         const Horizon& horizon, Eigen::Index stride = 0);
 
 /// @param fitted from other flights, as is `drag_only`
 Distances predict_flights(const std::vector<Capture>& flights, const FitResult& fitted,
