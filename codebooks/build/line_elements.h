@@ -20,7 +20,7 @@ struct LineElementsOptions {
   double tolerance = 1e-4;  ///< of a value between the nodes
   int degree = 8;           ///< even: the middle of an element is a node
   int max_nodes = 512;
-  long max_points = 500'000;  ///< to be asked for
+  long max_points = 120'000;  ///< to be asked for
 };
 
 /// Elements of one coordinate of a box, halved until the polynomials through their nodes follow values along lines, at

@@ -47,8 +47,8 @@ constexpr int kLines = 32;
 constexpr int kCheckPoints = 2000;
 constexpr int kMaxNodes = 128;
 constexpr int kMaxElementNodes = 512;
-/// A coordinate whose polynomial takes more nodes than these is tried in elements.
-constexpr int kLongLine = 64;
+/// In a box with elements, a coordinate whose polynomial takes more nodes than these is tried in elements, too.
+constexpr int kLongBesideElements = 64;
 constexpr int kMaxRank = 400;
 /// Trajectories of a cross that cannot meet the tolerance.
 constexpr long kMostBeforeFront = 1'000'000;
@@ -158,15 +158,17 @@ class SteppedBuild {
       trajectories_.tell("lines", static_cast<double>(k) / static_cast<double>(coordinates()));
       look_along(lines_, k, corners_and_inside(plan_, kLines, random_));
     }
-    if (std::ranges::max(lines_.within(kShareOfNodes * plan_.relative)) > kLongLine) try_elements();
+    for (Index k = 0; k < coordinates(); ++k) {
+      if (lines_.needs_more(k, kShareOfNodes * plan_.relative)) return try_elements();
+    }
   }
 
   void look_along(LineNodes& lines, Index coordinate, const Eigen::MatrixXd& bases) const {
     lines.look_along(coordinate, bases, 0.1 * kShareOfNodes * plan_.relative, plan_.relative);
   }
 
-  /// Where a polynomial takes many nodes elements may take fewer, and follow a front that no polynomial does. Few lines
-  /// through the box cross a front: once its places are known, all coordinates are looked along from there.
+  /// Elements follow a front that no polynomial does. Few lines through the box cross it: once its places are known, all
+  /// coordinates are looked along from there.
   void try_elements() {
     LineNodes lines = lines_;
     const double bound = kShareOfNodes * plan_.relative;
@@ -178,12 +180,16 @@ class SteppedBuild {
       }
       return some;
     };
+    bool is_in_vain = false;  // a front that elements do not follow either
     const auto cut = [&](Index k) {
       const int nodes = lines.within(bound)[static_cast<std::size_t>(k)];
-      if (lines.elements(k) || nodes <= kLongLine) return;
+      const bool needs_more = lines.needs_more(k, bound);
+      const bool is_long = needs_more || (lines.has_elements() && nodes > kLongBesideElements);
+      if (is_in_vain || lines.elements(k) || !is_long) return;
       trajectories_.tell("elements", static_cast<double>(k) / static_cast<double>(coordinates()));
       std::optional<LineElements> found = elements_of(k, bases);
-      if (!found || (found->axis.size() >= nodes && !lines.needs_more(k, bound))) return;
+      is_in_vain = !found && needs_more;
+      if (!found || (found->axis.size() >= nodes && !needs_more)) return;
       lines.set_elements(k, std::move(found->axis));
       const Index known = places.cols();
       places.conservativeResize(Eigen::NoChange, known + found->steepest.cols());
@@ -197,10 +203,11 @@ class SteppedBuild {
     std::ranges::for_each(order, cut);
     if (!lines.has_elements()) return;
     for (const Index k : order) {
+      if (is_in_vain) return;
       if (!lines.elements(k)) look_along(lines, k, bases());
       cut(k);
     }
-    if (lines.front() == nullptr) lines_ = std::move(lines);
+    if (!is_in_vain && lines.front() == nullptr) lines_ = std::move(lines);
   }
 
   std::optional<LineElements> elements_of(Index coordinate, const std::function<Eigen::MatrixXd()>& bases) {
