@@ -145,6 +145,9 @@ int run_synthesize(const SynthesizeArguments& arguments) {
         "who replays the course by CVODES stays within a tenth of a semi-length up to {:.4g}\n",
         to_string(motion.status), motion.message, motion.end, motion.course->knots().size(),
         ghost.declared.force_sizes.max, ghost.declared.torque_sizes.max, motion.replayed_until));
+    if (motion.book)
+      print(fmt::format("the codebook gave tangents of {:.0f} % of what was refined, in {} windows\n",
+                        100.0 * motion.book->share(), motion.book->windows));
   }
   if (motion.status == motion::MotionStatus::found) return kDone;
   warn(fmt::format("{}: the motion is written all the same", motion.message));

@@ -8,6 +8,7 @@
 #include "report.h"
 #include "samara/motion/patterns/agreement.h"
 #include "samara/motion/patterns/pattern_rules.h"
+#include "samara/motion/planning/motion_plan.h"
 
 namespace samara::benchmarks::motion_cases {
 
@@ -32,11 +33,15 @@ void report_agreement(const std::string& test_case, const std::vector<Labelled>&
 /// Clusters of (d, e), standardised.
 std::vector<int> source_clusters(const std::vector<motion::Features>& all, int clusters);
 
+/// A plate of I* 1.3 that is to fall along an S, 60 semi-chords down.
+motion::MotionPlan s_plan();
+
 void run_planar(const Options& options);
 void run_positions(const Options& options);
 void run_measured(const Options& options);
 void run_sweeps(const Options& options);
 void run_sketches(const Options& options);
+void run_books(const Options& options);
 void run_databases(const Options& options);
 void run_walks(const Options& options);
 void run_films(const Options& options);

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     motion_cases::run_measured(chosen);
     motion_cases::run_sweeps(chosen);
     motion_cases::run_sketches(chosen);
+    motion_cases::run_books(chosen);
     motion_cases::run_databases(chosen);
     motion_cases::run_walks(chosen);
     motion_cases::run_films(chosen);

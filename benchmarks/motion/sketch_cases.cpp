@@ -35,6 +35,10 @@ motion::Sketch drawn(const Line& x, double height, const Line& y = {}) {
   return motion::Sketch(points);
 }
 
+double s_line(double d) {
+  return 6.0 * std::sin(2.0 * std::numbers::pi * d / kFall);
+}
+
 MotionPlan plate_plan(const Line& line) {
   MotionPlan plan;
   plan.model = models::find_model("falling_plate_nd");
@@ -188,10 +192,12 @@ double zigzag(double d) {
 
 }  // namespace
 
+MotionPlan s_plan() {
+  return plate_plan(s_line);
+}
+
 void run_sketches(const Options& options) {
-  if (options.wants("sketch_s"))
-    report_sketch("sketch_s",
-                  plate_plan([](double d) { return 6.0 * std::sin(2.0 * std::numbers::pi * d / kFall); }));
+  if (options.wants("sketch_s")) report_sketch("sketch_s", plate_plan(s_line));
   if (options.wants("sketch_slanted"))
     report_sketch("sketch_slanted",
                   plate_plan([](double d) { return d * std::tan(std::numbers::pi / 6.0); }));

@@ -44,6 +44,11 @@ void Lanes::set_state(int lane, std::span<const double> state) {
   }
 }
 
+void Lanes::set_tangent(int lane, int direction, std::span<const double> tangent) {
+  const std::size_t offset = (static_cast<std::size_t>(direction) + 1) * width_;
+  for (std::size_t i = 0; i < tangent.size(); ++i) x_[place(i, lane) + offset] = tangent[i];
+}
+
 void Lanes::save(int lane, std::span<double> numbers) const {
   for (std::size_t n = 0; n < numbers.size(); ++n)
     numbers[n] = x_[n * width_ + static_cast<std::size_t>(lane)];

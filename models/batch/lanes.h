@@ -39,6 +39,8 @@ class Lanes {
   }
   /// Puts a state into a lane, without tangents.
   void set_state(int lane, std::span<const double> state);
+  /// d(state)/d(direction) of what set_state() has put there.
+  void set_tangent(int lane, int direction, std::span<const double> tangent);
   /// The states of a lane with their tangents, to put them back: states x (1 + directions) numbers.
   void save(int lane, std::span<double> numbers) const;
   void restore(int lane, std::span<const double> numbers);

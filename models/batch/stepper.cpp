@@ -300,6 +300,10 @@ void Stepper::set_state(Eigen::Index lane, double t, std::span<const double> sta
   run.pack_of(lane).set_state(run.slot_of(lane), state);
 }
 
+void Stepper::set_tangent(Eigen::Index lane, int direction, std::span<const double> tangent) {
+  impl_->pack_of(lane).set_tangent(impl_->slot_of(lane), direction, tangent);
+}
+
 void Stepper::set_parameters(Eigen::Index lane, std::span<const double> values) {
   ramp(lane, values, 0.0);
 }

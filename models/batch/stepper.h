@@ -60,6 +60,9 @@ class Stepper {
   /// Moves a lane that was loaded to another state and time, its tangents zero; parameters stay as they are.
   void set_state(Eigen::Index lane, double t, std::span<const double> state);
 
+  /// Puts d(state)/d(direction) where set_state() has left zero: of a motion that came there by other means.
+  void set_tangent(Eigen::Index lane, int direction, std::span<const double> tangent);
+
   /// The steered parameters, in the order of construction, from now on. They must lie within their meaning.
   void set_parameters(Eigen::Index lane, std::span<const double> values);
 

@@ -181,6 +181,7 @@ std::string motion_json(const MotionPlan& plan, const MotionResult& motion, cons
   if (plan.sketch) object["deviation"] = motion.deviation;
   if (plan.landing) object["landing_miss"] = motion.landing_miss;
   if (motion.sequence) object["sequence"] = sequence_data(*plan.sequence, *motion.sequence);
+  if (motion.book) object["codebook"] = {{"windows", motion.book->windows}, {"share", motion.book->share()}};
   object["history"] = history_data(motion);
   return object.dump(-1, ' ', false, MotionData::error_handler_t::replace) + "\n";
 }

@@ -14,6 +14,7 @@
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/motion/database/database_file.h"
+#include "samara/motion/planning/book_tangents.h"
 #include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/segment_choices.h"
 
@@ -33,8 +34,8 @@ class PlanReader {
   }
 
   MotionPlan read() {
-    root_.expect_keys({"model", "database", "body", "release", "path", "landing", "sequence", "duration",
-                       "box", "turbulence", "search"});
+    root_.expect_keys({"model", "database", "codebook", "body", "release", "path", "landing", "sequence",
+                       "duration", "box", "turbulence", "search"});
     read_model();
     read_body();
     read_release();
@@ -43,6 +44,7 @@ class PlanReader {
     read_landing();
     read_database();
     read_rest();
+    read_codebook();
     if (!plan_.sketch && !plan_.landing && !plan_.sequence) {
       throw root_.error("path",
                         "is missing, and [landing] and [sequence] too: expected one of them, to say "
@@ -274,6 +276,17 @@ class PlanReader {
     const char* const key = plan_.sequence->is_of_patterns() ? "patterns" : "kinds";
     refuse(*sequence, key, require_patterns_in_box);
     refuse(*sequence, key, require_ways);
+  }
+
+  void read_codebook() {
+    const auto file = root_.optional_string("codebook");
+    if (!file) return;
+    plan_.codebook = std::make_shared<const codebooks::Codebook>(codebooks::load(folder() / *file));
+    try {
+      const BookTangents check(plan_);
+    } catch (const ArgumentError& error) {
+      throw root_.error("codebook", error.what());
+    }
   }
 
   void refuse(const TomlTable& table, const char* key, void (*require)(const MotionPlan&)) const {

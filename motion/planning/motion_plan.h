@@ -13,6 +13,10 @@
 #include "samara/motion/planning/sketch.h"
 
 /// What a fall is asked to be: MOTION.toml, as a value.
+namespace samara::codebooks {
+class Codebook;
+}
+
 namespace samara::motion {
 
 /// A coefficient that may change while the body falls.
@@ -49,6 +53,8 @@ struct MotionPlan {
   double turbulence = 0.0;
   /// Falls of this body: their coefficients are tried where they did what is asked, in states like its own.
   std::shared_ptr<const MotionDatabase> database;
+  /// Windows of this body (codebooks/composition/flow_map.h), of which the refining of a fall takes tangents.
+  std::shared_ptr<const codebooks::Codebook> codebook;
   std::optional<MotionSequence> sequence;
   MotionSearch search;
 
@@ -82,10 +88,23 @@ struct PlanningStep {
   long pieces = 0;     ///< falls from one decision to the next that were run
 };
 
+/// What a plan's codebook did where tangents were asked for.
+struct BookUse {
+  long windows = 0;  ///< of the codebook that were asked, cut short where a fall was looked at
+  double served = 0.0, asked = 0.0;  ///< s: of falls whose tangents they gave, and of all
+
+  /// 0 where none were asked for.
+  double share() const { return asked > 0.0 ? served / asked : 0.0; }
+  BookUse operator+(const BookUse& more) const {
+    return {windows + more.windows, served + more.served, asked + more.asked};
+  }
+};
+
 /// MOTION.toml:
 ///
 ///     model = "falling_plate"
 ///     database = "motions.h5"       # of samara database, beside this file: falls to take coefficients from
+///     codebook = "windows.h5"       # of samara build, a flow map of this body: for tangents
 ///     duration = "2 s"              # after which the fall ends, if it has not landed
 ///     [body]                        # parameters and initial values: SI, or with units
 ///     semi_chord = "7 mm"
@@ -110,7 +129,7 @@ struct PlanningStep {
 ///
 /// @throws InputError, with file and line, for unknown keys, names or units, values outside their meaning, an empty or
 /// reversed range, a sketch that rises (or, with times, faster than falls of the database, or above the release) or begins
-/// below the release, a body that does not sink, a database of another body, a sequence that is given and of which the
+/// below the release, a body that does not sink, a database or codebook of another body, a codebook that is no flow map, a sequence that is given and of which the
 /// database has no fall within the box or no way from one to the next, or a plan that asks for nothing.
 MotionPlan read_motion_plan(const std::filesystem::path& path);
 /// The same from text; `name` stands for the file in messages, files it names are beside it.

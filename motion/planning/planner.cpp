@@ -12,6 +12,7 @@
 #include "samara/base/require.h"
 #include "samara/identification/series/series_codebook.h"
 #include "samara/models/integrators/integrate.h"
+#include "samara/motion/planning/book_tangents.h"
 #include "samara/motion/planning/fall_cost.h"
 #include "samara/motion/planning/motion_judgement.h"
 #include "samara/motion/planning/planning_state.h"
@@ -44,6 +45,7 @@ void check(const MotionPlan& plan) {
         fmt::format("the range of {} is {} to {}, expected it to hold {}, which the body has by itself",
                     c.name, c.lower, c.upper, c.natural));
   }
+  if (plan.codebook) const BookTangents refuses_what_it_must(plan);
 }
 
 /// As MotionResult::replayed_until: through the form that its file has.
@@ -110,6 +112,7 @@ class Planner {
       std::filesystem::remove(options_.checkpoint, ignored);
     }
     result_.history = history();
+    if (plan_.codebook) result_.book = state_.refining ? state_.refining->use : BookUse();
     if (!found) return result_;
     result_.course.emplace(fall_.names(), fall_.natural(), found->knots);
     const RealisedFall real = realise(fall_, *result_.course);

@@ -69,6 +69,7 @@ struct MotionResult {
   double deviation = 0.0;                       ///< m, rms over time from the sketch; 0 without one
   double landing_miss = 0.0;                    ///< m, from the landing place; 0 without one
   std::optional<SequenceOutcome> sequence;      ///< where the plan has one
+  std::optional<BookUse> book;                  ///< where the plan has a codebook
   FallCost cost;                                ///< of the motion
   /// s, up to which CVODES along the course, as its file has it, stays within a tenth of a semi-length of the states.
   double replayed_until = 0.0;
@@ -85,7 +86,8 @@ struct PlanningOptions {
   std::filesystem::path checkpoint = {};
 };
 
-/// @throws ArgumentError if the plan's values are outside their meaning, or its body does not sink; InputError for a
+/// @throws ArgumentError if the plan's values are outside their meaning, or its body does not sink, or for its codebook, as
+/// BookTangents; InputError for a
 /// checkpoint of another plan.
 MotionResult plan_motion(const MotionPlan& plan, const PlanningOptions& options = {});
 

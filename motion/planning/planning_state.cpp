@@ -8,6 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
+#include "samara/codebooks/book/codebook.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/io/hdf5_writer.h"
 #include "samara/motion/sweeps/sweep.h"
@@ -17,7 +18,7 @@ namespace samara::motion {
 namespace {
 
 constexpr const char* kPlanningFormat = "samara-planning";
-constexpr const char* kPlanningVersion = "0.2";
+constexpr const char* kPlanningVersion = "0.3";
 
 /// Numbers one after the other: what is put in comes out in the same order.
 struct NumberTape {
@@ -162,6 +163,9 @@ void pass(Way& way, RefiningState& state) {
   way.number(state.sweep);
   way.number(state.first);
   way.flag(state.has_improved);
+  way.number(state.use.windows);
+  way.number(state.use.served);
+  way.number(state.use.asked);
   pass(way, state.history);
 }
 
@@ -210,6 +214,14 @@ std::string sequence_text(const MotionSequence& sequence) {
   return text;
 }
 
+/// By where it comes from and its box.
+std::string codebook_text(const codebooks::Codebook& book) {
+  std::string text = fmt::format("codebook {}\n{}\n", book.provenance().created, book.provenance().plan);
+  for (const codebooks::Coordinate& c : book.coordinates())
+    text += fmt::format("{} {} {}\n", c.name, c.lower, c.upper);
+  return text;
+}
+
 }  // namespace
 
 std::string identity_of(const MotionPlan& plan) {
@@ -233,6 +245,7 @@ std::string identity_of(const MotionPlan& plan) {
     for (const MotionRun& run : plan.database->runs) digest.add(run.coefficients);
     text += fmt::format("database of {} segments, {}\n", plan.database->segment_count(), digest.value());
   }
+  if (plan.codebook) text += codebook_text(*plan.codebook);
   if (plan.sequence) text += sequence_text(*plan.sequence);
   const MotionSearch& search = plan.search;
   return text + fmt::format("search {} {} {} {} {} {}\n", search.beam, search.children, search.sweeps,

@@ -18,7 +18,7 @@ struct PlanningState {
 /// What a plan asks for, number by number: only a state of the very same plan is gone on from.
 std::string identity_of(const MotionPlan& plan);
 
-/// HDF5, "samara-planning" 0.2.
+/// HDF5, "samara-planning" 0.3.
 /// @throws ArgumentError if the file cannot be written
 void save_state(const PlanningState& state, const MotionPlan& plan, const std::filesystem::path& path);
 

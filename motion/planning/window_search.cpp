@@ -49,6 +49,7 @@ bool refine_in_windows(const PlannedFall& fall, const FallPoint& start, Refining
                        const ProgressCallback& progress, const std::function<void()>& keep) {
   while (state.sweep < fall.plan().search.sweeps) {
     Windows windows(fall, state.knots);
+    const BookUse before_it = state.use;
     ReplayedFall now = replay(fall, start, state.knots);
     while (std::isfinite(now.cost) && state.first < now.at_knots.size()) {
       if (progress &&
@@ -65,6 +66,7 @@ bool refine_in_windows(const PlannedFall& fall, const FallPoint& start, Refining
           state.knots = before;
         }
       }
+      state.use = before_it + windows.use();
       state.first += kStride;
       if (keep) keep();
     }

@@ -16,24 +16,10 @@ long steps_between(const PlannedFall& fall, double from, double to) {
   return std::lround((to - from) / fall.plan().search.step);
 }
 
-Eigen::Index lane_count(const PlannedFall& fall) {
-  const models::Stepper one(fall.model(), fall.names(), 1, {.tangents = true});
-  const auto wanted = static_cast<Eigen::Index>(Windows::kMoved * fall.names().size());
-  return (wanted + one.directions() - 1) / one.directions();
-}
-
 }  // namespace
 
 Windows::Windows(const PlannedFall& fall, std::vector<CourseKnot>& knots)
-    : fall_(fall),
-      knots_(knots),
-      count_(fall.names().size()),
-      lanes_(fall.model(), fall.names(), lane_count(fall), {.tangents = true}),
-      values_(fall.model(), fall.names(), 1),
-      roaming_(fall) {
-  for (Eigen::Index lane = 0; lane < lanes_.lanes(); ++lane) lanes_.load(lane, fall.natural());
-  values_.load(0, fall.natural());
-}
+    : fall_(fall), knots_(knots), count_(fall.names().size()), motion_(fall, kMoved), roaming_(fall) {}
 
 bool Windows::improve(std::size_t first, const ReplayedFall& now) {
   now_ = &now;
@@ -68,13 +54,10 @@ long Windows::samples_every(double length, std::size_t knots) const {
 }
 
 template <class Record>
-bool Windows::run(models::Stepper& lanes, std::size_t first, const FallPoint& from, double end, bool seeds,
+bool Windows::run(std::size_t first, const FallPoint& from, double end, bool derivatives,
                   const Record& record) {
   const double h = fall_.plan().search.step;
-  for (Eigen::Index lane = 0; lane < lanes.lanes(); ++lane) {
-    lanes.set_state(lane, from.t, from.state);
-    lanes.set_parameters(lane, from.coefficients);
-  }
+  motion_.begin(from, derivatives ? std::min(kMoved, knots_.size() - first) : 0);
   const std::size_t last = std::min(knots_.size(), first + kSeen);
   const long all = steps_between(fall_, from.t, end), every = samples_every(end - from.t, last - first);
   // By the trapezoidal rule, as the cost of a fall is added up.
@@ -87,37 +70,18 @@ bool Windows::run(models::Stepper& lanes, std::size_t first, const FallPoint& fr
   long step = 0;
   double t = from.t;
   for (std::size_t k = first; k < last; ++k) {
-    for (Eigen::Index lane = 0; lane < lanes.lanes(); ++lane) {
-      if (seeds) {
-        lanes.ramp(lane, knots_[k].values, knots_[k].ramp, seeds_of(lanes, lane, k - first));
-      } else {
-        lanes.ramp(lane, knots_[k].values, knots_[k].ramp);
-      }
-    }
+    motion_.turn(knots_[k]);
     const double until = k + 1 < last ? knots_[k + 1].t : end;
     for (long left = steps_between(fall_, t, until); left > 0;) {
       const long now = std::min(left, every - step % every);
-      lanes.step(h, now);
+      if (!motion_.step(now)) return false;
       left -= now;
       step += now;
-      if (step % every != 0 && step != all) continue;
-      if (!lanes.finite(0)) return false;
-      sample(k, step);
+      if (step % every == 0 || step == all) sample(k, step);
     }
     t = until;
   }
   return true;
-}
-
-Eigen::MatrixXd Windows::seeds_of(const models::Stepper& lanes, Eigen::Index lane, std::size_t knot) const {
-  const int directions = lanes.directions();
-  Eigen::MatrixXd seeds = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count_), directions);
-  for (std::size_t j = 0; j < count_; ++j) {
-    const auto unknown = static_cast<Eigen::Index>(knot * count_ + j);
-    if (knot < kMoved && unknown / directions == lane)
-      seeds(static_cast<Eigen::Index>(j), unknown % directions) = 1.0;
-  }
-  return seeds;
 }
 
 double Windows::horizon(std::size_t first) const {
@@ -159,12 +123,12 @@ void Windows::add_changes(std::size_t first, const FallPoint& from, Look& look) 
   }
 }
 
-Eigen::Matrix3Xd Windows::moved_places(const models::Stepper& lanes, Eigen::Index n) {
-  Eigen::Matrix3Xd moved(3, n);
-  tangent_.resize(state_.size());
-  for (Eigen::Index i = 0; i < n; ++i) {
-    lanes.read_tangent(i / lanes.directions(), static_cast<int>(i % lanes.directions()), tangent_);
-    moved.col(i) = fall_.states().position(tangent_);
+Eigen::Matrix3Xd Windows::moved_places() const {
+  const Eigen::MatrixXd& tangents = motion_.tangents();
+  Eigen::Matrix3Xd moved(3, tangents.cols());
+  for (Eigen::Index i = 0; i < tangents.cols(); ++i) {
+    moved.col(i) =
+        fall_.states().position({tangents.col(i).data(), static_cast<std::size_t>(tangents.rows())});
   }
   return moved;
 }
@@ -178,40 +142,38 @@ void Windows::add_residual(const Eigen::VectorXd& residual, const Eigen::MatrixX
   look.g += square * J.transpose() * residual;
 }
 
-void Windows::add_path(const models::Stepper& lanes, double duration, Look& look) {
+void Windows::add_path(double duration, Look& look) const {
   if (!fall_.plan().sketch) return;
-  const Eigen::Vector3d place = fall_.states().position(state_);
+  const Eigen::Vector3d place = fall_.states().position(motion_.state());
   Eigen::Matrix3Xd J(3, look.g.size());
   if (look.g.size() > 0) {
-    J = moved_places(lanes, look.g.size());
+    J = moved_places();
     const Eigen::RowVectorXd falls = J.row(2);
     J -= fall_.plan().sketch->slope(place) * falls;
   }
-  add_residual(fall_.deviation(lanes.time(0), place), J, deviation_weight(fall_, duration, now_->end.t),
+  add_residual(fall_.deviation(motion_.time(), place), J, deviation_weight(fall_, duration, now_->end.t),
                look);
 }
 
-void Windows::add_turbulence(const models::Stepper& lanes, std::size_t first, std::size_t knot,
-                             double duration, Look& look) {
+void Windows::add_turbulence(std::size_t first, std::size_t knot, double duration, Look& look) {
   if (!(fall_.turbulence_factor() > 0.0) || knot >= now_->at_knots.size()) return;
   const FallPoint& from = now_->at_knots[knot];
   const FallPoint& to = knot + 1 < now_->at_knots.size() ? now_->at_knots[knot + 1] : now_->end;
   const std::vector<double>& values = knots_[knot].values;
-  const double t = lanes.time(0);
+  const double t = motion_.time();
   Eigen::VectorXd residual;
-  roaming_.at(t, state_, values, residual);
+  roaming_.at(t, motion_.state(), values, residual);
   Eigen::MatrixXd J(residual.size(), look.g.size());
-  tangent_.resize(state_.size());
   for (Eigen::Index i = 0; i < look.g.size(); ++i) {
     // Along the direction of the unknown, in state and coefficient at once.
     const std::size_t at_knot = first + static_cast<std::size_t>(i) / count_;
     const std::size_t j = static_cast<std::size_t>(i) % count_;
     const double e = 1e-4 * (fall_.plan().box[j].upper - fall_.plan().box[j].lower);
-    lanes.read_tangent(i / lanes.directions(), static_cast<int>(i % lanes.directions()), tangent_);
     Eigen::VectorXd ahead, behind;
     for (const double sign : {1.0, -1.0}) {
-      std::vector<double> state = state_, coefficients = values;
-      for (std::size_t k = 0; k < state.size(); ++k) state[k] += sign * e * tangent_[k];
+      std::vector<double> state = motion_.state(), coefficients = values;
+      for (std::size_t k = 0; k < state.size(); ++k)
+        state[k] += sign * e * motion_.tangents()(static_cast<Eigen::Index>(k), i);
       if (at_knot == knot) coefficients[j] += sign * e;
       roaming_.at(t, state, coefficients, sign > 0.0 ? ahead : behind);
     }
@@ -221,22 +183,22 @@ void Windows::add_turbulence(const models::Stepper& lanes, std::size_t first, st
   add_residual(residual, J, weight / std::sqrt(fallen()), look);
 }
 
-void Windows::add_landing(const models::Stepper& lanes, Look& look) {
+void Windows::add_landing(Look& look) const {
   const auto& landing = fall_.plan().landing;
   if (!landing || now_->end.height > fall_.plan().ground) return;
-  std::vector<double> rate(state_.size()), coefficients(count_);
-  lanes.read(0, state_);
-  lanes.read_parameters(0, coefficients);
+  const std::vector<double>& state = motion_.state();
+  std::vector<double> rate(state.size()), coefficients(count_);
+  motion_.read_coefficients(coefficients);
   auto workspace = fall_.model().make_workspace();
-  fall_.model().rhs(lanes.time(0), state_, coefficients, rate, workspace);
-  const Eigen::Vector3d place = fall_.states().position(state_), velocity = fall_.states().position(rate);
+  fall_.model().rhs(motion_.time(), state, coefficients, rate, workspace);
+  const Eigen::Vector3d place = fall_.states().position(state), velocity = fall_.states().position(rate);
   if (!(velocity.z() < 0.0)) return;
   const Eigen::Vector2d along = velocity.head<2>() / velocity.z();
   const Eigen::Vector2d off =
       place.head<2>() + along * (fall_.plan().ground - place.z()) - landing->head<2>();
   Eigen::Matrix2Xd J(2, look.g.size());
   if (look.g.size() > 0) {
-    const Eigen::Matrix3Xd moved = moved_places(lanes, look.g.size());
+    const Eigen::Matrix3Xd moved = moved_places();
     J = moved.topRows<2>() - along * moved.row(2);
   }
   add_residual(off, J, landing_weight(fall_), look);
@@ -252,15 +214,12 @@ Windows::Look Windows::look(std::size_t first, const ReplayedFall& now, bool der
     look.H.setZero(unknowns(first), unknowns(first));
     look.g.setZero(unknowns(first));
   }
-  models::Stepper& lanes = derivatives ? lanes_ : values_;
-  state_.resize(from.state.size());
-  const bool finite = run(lanes, first, from, end, derivatives, [&](std::size_t knot, double duration) {
-    lanes.read(0, state_);
-    add_path(lanes, duration, look);
-    add_turbulence(lanes, first, knot, duration, look);
+  const bool finite = run(first, from, end, derivatives, [&](std::size_t knot, double duration) {
+    add_path(duration, look);
+    add_turbulence(first, knot, duration, look);
   });
   if (!finite) return {};
-  if (end == now_->end.t) add_landing(lanes, look);
+  if (end == now_->end.t) add_landing(look);
   add_changes(first, from, look);
   return look;
 }

@@ -3,9 +3,8 @@
 #include <limits>
 #include <vector>
 
-#include "samara/models/batch/stepper.h"
-#include "samara/motion/planning/fall_lanes.h"
 #include "samara/motion/planning/fall_replay.h"
+#include "samara/motion/planning/fall_tangents.h"
 
 namespace samara::motion {
 
@@ -32,39 +31,38 @@ class Windows {
   /// @returns whether its knots were moved
   bool improve(std::size_t first, const ReplayedFall& now);
 
+  /// Of all looks with derivatives so far.
+  const BookUse& use() const { return motion_.use(); }
+
  private:
   Eigen::Index unknowns(std::size_t first) const;
   /// Samples about twenty times between knots.
   long samples_every(double length, std::size_t knots) const;
   template <class Record>
-  bool run(models::Stepper& lanes, std::size_t first, const FallPoint& from, double end, bool seeds,
-           const Record& record);
-  Eigen::MatrixXd seeds_of(const models::Stepper& lanes, Eigen::Index lane, std::size_t knot) const;
+  bool run(std::size_t first, const FallPoint& from, double end, bool derivatives, const Record& record);
   double horizon(std::size_t first) const;
   /// Of the whole: what changes and turbulence are over.
   double fallen() const;
   /// Changes of coefficients within the window and to the knot behind it.
   void add_changes(std::size_t first, const FallPoint& from, Look& look) const;
   /// Of the place; 3 x unknowns.
-  Eigen::Matrix3Xd moved_places(const models::Stepper& lanes, Eigen::Index n);
+  Eigen::Matrix3Xd moved_places() const;
   /// @param weight of both, see fall_cost.h
   static void add_residual(const Eigen::VectorXd& residual, const Eigen::MatrixXd& J, double weight,
                            Look& look);
-  void add_path(const models::Stepper& lanes, double duration, Look& look);
+  void add_path(double duration, Look& look) const;
   /// The pieces of the turbulence are those between knots, with the heights that they had.
-  void add_turbulence(const models::Stepper& lanes, std::size_t first, std::size_t knot, double duration,
-                      Look& look);
+  void add_turbulence(std::size_t first, std::size_t knot, double duration, Look& look);
   /// Where it comes down: along the way that it has at the end of the window, which is that of the fall.
-  void add_landing(const models::Stepper& lanes, Look& look);
+  void add_landing(Look& look) const;
   void put(std::size_t first, const Eigen::VectorXd& z);
 
   const PlannedFall& fall_;
   std::vector<CourseKnot>& knots_;
   std::size_t count_;
-  models::Stepper lanes_, values_;
+  FallTangents motion_;
   Roaming roaming_;
   const ReplayedFall* now_ = nullptr;
-  std::vector<double> state_, tangent_;
 };
 
 }  // namespace samara::motion

@@ -51,6 +51,24 @@ children = 12
 step = 0.02
 sweeps = 1
 """
+WINDOWS = """model = "falling_plate_nd"
+[fixed]
+beta = 0
+inertia_ratio = 1.3
+C_R = 3
+A = 1.4
+[box]
+C_T = [0.8, 1.4]
+"vx(0)" = [0, 3.5]
+"vy(0)" = [0, 1.2]
+"w(0)" = [-1.5, 1.5]
+"theta(0)" = [-3.14159265358979324, 3.14159265358979324]
+[time]
+end = 0.1
+[tolerance]
+relative = 1e-3
+"""
+STEERED = PLAN.replace("beta = 0\n", "beta = 0\nC_R = 3\nA = 1.4\n").replace("C_R = [2, 4]\nA = [1, 1.8]\n", "")
 SKETCH = '[path]\nfile = "slant.csv"\n'
 HOSTILE = "<img src=x onerror=alert(1)>&</script>\"'"
 
@@ -124,6 +142,38 @@ class Syntheses(Case):
         self.check_error(run("synthesize", plan("bad.toml", SKETCH, other), "-o", FOLDER / "bad.csv"), 3, "bad.toml:1", "inertia_ratio = 1.3")
         self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--resume"), 2, "to go on from")
         self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--report", FOLDER / "bad.toml"), 2, "overwrite")
+
+    def test_tangents_of_a_codebook_are_told_in_the_answer(self):
+        windows = FOLDER / "windows.h5"
+        self.assertEqual(run("build", write("windows.toml", WINDOWS), "-o", windows).returncode, 0)
+        book = 'codebook = "windows.h5"\n'
+        motion = write("steered.toml", book + STEERED + SKETCH)
+        write("slant.csv", "x,y\n0,40\n16,0\n")
+        result = run("synthesize", motion, "-o", FOLDER / "steered.csv", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        answer = json.loads(result.stdout)
+        self.check_schema(answer)
+        self.assertGreater(answer["codebook"]["windows"], 100)
+        self.assertGreater(answer["codebook"]["share"], 0.3)
+        self.assertLess(answer["codebook"]["share"], 1.0)
+        words = run("synthesize", motion, "-o", FOLDER / "steered.csv").stdout
+        self.assertIn(f"the codebook gave tangents of {100 * answer['codebook']['share']:.0f} %", words)
+        self.assertIn(f"in {answer['codebook']['windows']} windows", words)
+        without = json.loads(run("synthesize", write("steered.toml", STEERED + SKETCH), "-o", FOLDER / "steered.csv", "--json").stdout)
+        self.assertNotIn("codebook", without)
+        self.assertAlmostEqual(answer["deviation"] / without["deviation"], 1.0, delta=0.05)
+
+        def refused(text, *parts):
+            self.check_error(run("synthesize", write("bad.toml", text + SKETCH), "-o", FOLDER / "bad.csv"), 3, *parts)
+        refused(book + STEERED.replace("inertia_ratio = 1.3", "inertia_ratio = 1.5"), "bad.toml:1", "the codebook has inertia_ratio = 1.3, the body has 1.5")
+        refused(book + PLAN, "bad.toml:1", "no coordinate C_R")
+        refused('codebook = "slant.csv"\n' + STEERED, "slant.csv")
+        refused('codebook = "plates.toml"\n' + STEERED, "plates.toml")
+        whole = windows.read_bytes()
+        (FOLDER / "half.h5").write_bytes(whole[: len(whole) // 2])
+        refused('codebook = "half.h5"\n' + STEERED, "half.h5")
+        self.assertEqual(run("build", write("short.toml", WINDOWS.replace('"w(0)" = [-1.5, 1.5]\n', "")), "-o", FOLDER / "short.h5").returncode, 0)
+        refused('codebook = "short.h5"\n' + STEERED, "bad.toml:1", 'a flow map needs an axis "w(0)"')
 
     def test_an_interrupted_search_goes_on_where_it_stopped(self):
         long = PLAN.replace("beam = 8", "beam = 60").replace("children = 12", "children = 48").replace("step = 0.02", "step = 0.01")
