@@ -347,7 +347,7 @@ void Stepper::step_pack(Eigen::Index pack, double h, long steps) {
   impl_->step_pack(static_cast<std::size_t>(pack), h, steps);
 }
 
-Stepper::Pack Stepper::pack(Eigen::Index pack) const {
+Stepper::PackView Stepper::pack(Eigen::Index pack) const {
   const auto p = static_cast<std::size_t>(pack);
   const Lanes& lanes = impl_->packs[p];
   return {.times = &impl_->times[p * static_cast<std::size_t>(impl_->width)],

@@ -91,13 +91,13 @@ class Stepper {
   /// step() of the lanes of one pack.
   void step_pack(Eigen::Index pack, double h, long steps = 1);
   /// The numbers of a pack as they lie in memory. State i of its lane k is states[i * stride + k].
-  struct Pack {
+  struct PackView {
     const double* times = nullptr;
     const double* states = nullptr;
     std::size_t stride = 0;
     std::uint64_t running = 0;  ///< bit k: its lane k
   };
-  Pack pack(Eigen::Index pack) const;
+  PackView pack(Eigen::Index pack) const;
   /// finite() of its lanes, a bit each.
   std::uint64_t finite_lanes(Eigen::Index pack) const;
 

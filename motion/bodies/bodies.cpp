@@ -129,7 +129,7 @@ struct Bodies::Impl {
   Eigen::Index body_of(Eigen::Index pack, int slot) const { return pack * stepper.width() + slot; }
 
   void step_pack(Eigen::Index p, double h, std::vector<BodyEvent>& found) {
-    const models::Stepper::Pack pack = stepper.pack(p);
+    const models::Stepper::PackView pack = stepper.pack(p);
     if (pack.running == 0) return;
     for (std::size_t i = 0; i < states; ++i)
       std::copy_n(pack.states + i * pack.stride, width, before.data() + i * width);
@@ -143,7 +143,7 @@ struct Bodies::Impl {
     for_bits(finders.see(p, pack.times, seen, falling), [&](int slot) { go_on(p, slot, seen, found); });
   }
 
-  LaneRows<const double> relative_states(Eigen::Index p, const models::Stepper::Pack& pack,
+  LaneRows<const double> relative_states(Eigen::Index p, const models::Stepper::PackView& pack,
                                          std::uint64_t lanes) {
     for_bits(lanes, [&](int slot) {
       const Eigen::Index n = body_of(p, slot);
@@ -172,7 +172,7 @@ struct Bodies::Impl {
   }
 
   /// Those that have come to the ground rest where their way met it. @returns which
-  std::uint64_t landed(Eigen::Index p, const models::Stepper::Pack& pack, std::uint64_t lanes) {
+  std::uint64_t landed(Eigen::Index p, const models::Stepper::PackView& pack, std::uint64_t lanes) {
     const double* height = pack.states + layout.positions().back() * pack.stride;
     std::uint64_t down = 0;
     for_bits(lanes, [&](int slot) {
@@ -389,7 +389,7 @@ void Bodies::read_poses(std::span<double> positions, std::span<double> rotations
     throw ArgumentError(fmt::format("there is room for {} and {} numbers, expected {} and {}",
                                     positions.size(), rotations.size(), 3 * bodies, 4 * bodies));
   std::array<double, 7> numbers = {};
-  models::Stepper::Pack pack;
+  models::Stepper::PackView pack;
   for (std::size_t n = 0; n < bodies; ++n) {
     const std::size_t slot = n % impl_->width;
     if (slot == 0) pack = impl_->stepper.pack(static_cast<Eigen::Index>(n / impl_->width));

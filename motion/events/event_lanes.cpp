@@ -195,7 +195,7 @@ std::uint64_t EventLanes::see(Eigen::Index pack, const double* times, const Lane
 
 EventLanes::Stepped EventLanes::step(models::Stepper& stepper, Eigen::Index pack, double h, long steps) {
   stepper.step_pack(pack, h, steps);
-  const models::Stepper::Pack stepped = stepper.pack(pack);
+  const models::Stepper::PackView stepped = stepper.pack(pack);
   const std::uint64_t finite = stepper.finite_lanes(pack);
   return {stepped, finite,
           see(pack, stepped.times, {stepped.states, stepped.stride}, stepped.running & finite)};

@@ -45,7 +45,7 @@ class EventLanes {
 
   /// A pack after some steps.
   struct Stepped {
-    models::Stepper::Pack pack;
+    models::Stepper::PackView pack;
     std::uint64_t finite = 0;  ///< bit k: all numbers of its lane k are
     std::uint64_t events = 0;  ///< as see() says, of lanes that run and are finite
   };
