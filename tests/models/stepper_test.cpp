@@ -186,7 +186,7 @@ TEST_CASE("packs that are stepped one by one take the steps of all, and say whic
   const auto width = static_cast<Eigen::Index>(one_by_one.width());
   CHECK(one_by_one.packs() == (11 + width - 1) / width);
   for (Eigen::Index lane = 0; lane < 11; ++lane) {
-    const Stepper::Pack pack = one_by_one.pack(lane / width);
+    const Stepper::PackView pack = one_by_one.pack(lane / width);
     const Eigen::Index slot = lane % width;
     CHECK(pack.times[slot] == together.time(lane));
     CHECK((pack.running >> slot & 1) == (lane == 5 ? 0 : 1));
@@ -238,6 +238,30 @@ TEST_CASE("tangents of steered lanes are the slopes of their states") {
   CHECK((tangent - slope).norm() < 1e-6 * slope.norm());
   lanes.read_tangent(0, 0, numbers);
   CHECK(tangent.norm() == 0.0);
+}
+
+TEST_CASE("a lane that is put where another has come goes on like it, with its tangents") {
+  Stepper first(flutter(), {"C_R"}, 1, {.tangents = true}), second(flutter(), {"C_R"}, 1, {.tangents = true});
+  Eigen::MatrixXd seeds = Eigen::MatrixXd::Zero(1, first.directions());
+  seeds(0, 1) = 1.0;
+  first.load(0, std::array{kFirst});
+  first.ramp(0, std::array{kSecond}, 0.4, seeds);
+  first.step(0.02, 30);
+  std::vector<double> state(static_cast<std::size_t>(first.state_count())), tangent(state.size());
+  first.read(0, state);
+  first.read_tangent(0, 1, tangent);
+  second.load(0, std::array{kFirst});
+  second.set_state(0, first.time(0), state);
+  second.set_tangent(0, 1, tangent);
+  second.ramp(0, std::array{kSecond}, 0.0, seeds);
+  std::vector<double> other = state, other_tangent = tangent;
+  for (Stepper* plates : {&first, &second}) plates->step(0.02, 40);
+  first.read(0, state);
+  second.read(0, other);
+  CHECK(state == other);
+  first.read_tangent(0, 1, tangent);
+  second.read_tangent(0, 1, other_tangent);
+  CHECK(tangent == other_tangent);
 }
 
 TEST_CASE("steering and stepping do not allocate") {
