@@ -225,7 +225,7 @@ void solve_all_lines(const MacGrid& grid, const Range& range, int direction, con
     if (!ends.periodic && direction > 0)
       return solve_columns(x.data(), ratio.data(), start, start + count, s, n, ends, coupling, inverse, loss);
     // The room of eight rows of these fields is that of the numbers side by side.
-    if (!ends.periodic && count == kEight)
+    if (kHasEights && !ends.periodic && count == kEight)
       return solve_eight_rows(x.data(), turn.data() + start, ratio.data() + start, start, lane, n, ends,
                               coupling, inverse, loss);
     const auto solve = [&]<int kLanes>(Index from) {

@@ -16,6 +16,12 @@ namespace samara::flow {
 /// none is ever handed over between sources that are built for different machines.
 using Eight = double __attribute__((vector_size(64)));
 inline constexpr Index kEight = 8;
+/// Registers of two numbers, for any machine, are too few for it: there all goes by single numbers.
+#ifdef __AVX__
+inline constexpr bool kHasEights = true;
+#else
+inline constexpr bool kHasEights = false;
+#endif
 
 /// A number, or eight neighbours.
 template <class V>
@@ -45,7 +51,9 @@ inline double sum_of(const double (&lanes)[kEight]) {
 template <class Body>
 [[gnu::always_inline]] inline void by_eights(Index begin, Index end, const Body& body) {
   Index c = begin;
-  for (; c + kEight <= end; c += kEight) body.template operator()<Eight>(c);
+  if constexpr (kHasEights) {
+    for (; c + kEight <= end; c += kEight) body.template operator()<Eight>(c);
+  }
   for (; c < end; ++c) body.template operator()<double>(c);
 }
 

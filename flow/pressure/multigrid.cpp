@@ -132,7 +132,7 @@ void MultigridSolver::smooth(Level& level, int sweeps, int first_colour, bool fr
   const auto relax = [&](int row, int half) {
     const Index place = grid.at(0, row), start = (row + first_colour + half) % 2;
     if (from_zero && half == 0) return start_row(matrix, place, start, level.b.data(), level.x.data());
-    relax_row_by_eights(matrix, place, start, level.b.data(), level.x.data());
+    (kHasEights ? relax_row_by_eights : relax_row)(matrix, place, start, level.b.data(), level.x.data());
   };
   // Blocks stop a row earlier with every half-sweep, and look at no rows of others, which may be ahead or behind..
   const int together = std::max(32, 2 * halves), blocks = std::max(1, rows / together);
