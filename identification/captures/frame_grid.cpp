@@ -180,17 +180,34 @@ Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places, 
   return {period, times.mean() - period * place.mean()};
 }
 
+/// @throws ArgumentError where frames do not lie whole periods apart
+void check_known(const Capture& capture, double period) {
+  if (!(period > 0.0 && std::isfinite(period))) {
+    throw ArgumentError(
+        fmt::format("a frame period is {} s; a finite one of more than 0 was expected", period));
+  }
+  constexpr double kSlip = 0.1;
+  const double interval = common_interval(capture.times);
+  const double periods = interval / period;
+  if (periods < 1.0 - kSlip ||
+      std::abs(periods - std::round(periods)) > kSlip * std::max(1.0, std::round(periods))) {
+    throw ArgumentError(
+        fmt::format("capture \"{}\" has frames {:.5g} ms apart, and a frame period of {:.5g} ms was given; "
+                    "one that goes into it a "
+                    "whole number of times was expected",
+                    capture.id, 1e3 * interval, 1e3 * period));
+  }
+}
+
 }  // namespace
 
 FrameGrid on_frame_grid(const Capture& capture, std::optional<double> known_period) {
   const Eigen::VectorXd& times = capture.times;
-  if (known_period && !(*known_period > 0.0 && std::isfinite(*known_period)))
-    throw ArgumentError(
-        fmt::format("a frame period is {} s; a finite one of more than 0 was expected", *known_period));
   if (times.size() < 4) {
     throw ArgumentError(fmt::format("capture \"{}\" has {} frames; at least 4 were expected for a grid",
                                     capture.id, times.size()));
   }
+  if (known_period) check_known(capture, *known_period);
   Grid grid = known_period ? grid_of(times, *known_period) : resonant_grid(times);
   std::vector<long> places = increasing_places(times, grid);
   grid = fitted_grid(times, places, known_period);

@@ -27,7 +27,8 @@ struct FrameGrid {
 /// much: all speeds and, twice as much, all accelerations are off by its share. Whoever knows the camera's period says
 /// it.
 /// @param known_period s, which is not fitted then
-/// @throws ArgumentError if the capture has fewer than 4 frames, and for a period that is not finite or not above 0
+/// @throws ArgumentError if the capture has fewer than 4 frames, and for a period that is not finite, not above 0, or
+/// does not go into the common interval a whole number of times (within a tenth)
 FrameGrid on_frame_grid(const Capture& capture, std::optional<double> known_period = {});
 
 }  // namespace samara::identification
