@@ -84,11 +84,11 @@ std::map<long, std::vector<FrameAhead>> frames_by_horizon(std::span<const Captur
   return frames;
 }
 
-/// The last place that was seen.
-Eigen::RowVectorXd last_place(const SeenMotion& seen) {
+/// The last frame whose place was seen.
+Eigen::Index last_seen(const SeenMotion& seen) {
   Eigen::Index last = seen.positions.rows() - 1;
   while (last > 0 && !seen.positions.row(last).allFinite()) --last;
-  return seen.positions.row(last);
+  return last;
 }
 
 /// Of two predictors of one place, the second's part.
@@ -153,14 +153,17 @@ std::vector<SaidForecast> MotionForecasts::say(std::size_t quantity, const Captu
   if (is_outside || std::abs(nearest->ahead - ahead) < kSame * ahead) return nearest->trained.say(moment);
   const auto near = std::prev(far);
   const double part = (ahead - near->ahead) / (far->ahead - near->ahead);
-  const Eigen::RowVectorXd last = last_place(moment.moment.seen);
+  const SeenMotion& seen = moment.moment.seen;
+  const Eigen::Index frame_of_last = last_seen(seen);
+  const Eigen::RowVectorXd last = seen.positions.row(frame_of_last);
+  const double unseen = seen.times[seen.times.size() - 1] - seen.times[frame_of_last];
   const auto velocity_to = [&](const Horizon& horizon) {
     const TrainingMoment& from = moment.moment;
     const Eigen::RowVectorXd there = horizon.trained.autoregression().predict(from.seen, from.known);
-    return Eigen::RowVectorXd((there - last) / horizon.ahead);
+    return Eigen::RowVectorXd((there - last) / (unseen + horizon.ahead));
   };
   const Eigen::RowVectorXd place =
-      last + ahead * ((1.0 - part) * velocity_to(*near) + part * velocity_to(*far));
+      last + (unseen + ahead) * ((1.0 - part) * velocity_to(*near) + part * velocity_to(*far));
   std::vector<SaidForecast> said = near->trained.say(moment, place);
   const std::vector<SaidForecast> farther = far->trained.say(moment, place);
   for (std::size_t p = 0; p < said.size(); ++p) said[p] = between(said[p], farther[p], part);
@@ -178,21 +181,29 @@ std::vector<std::string> MotionForecasts::lacks(double reach) const {
   std::map<std::string, std::string> names;  // by what is said of them
   for (std::size_t q = 0; q < compared_.size(); ++q) {
     if (compared_[q].is_attitude || compared_[q].period != 0.0) continue;
+    const auto reached = [&](bool (TrainedForecasts::*knows)() const) {
+      double ahead = 0.0;
+      for (const Horizon& one : trained_[q]) {
+        if ((one.trained.*knows)()) ahead = one.ahead;
+      }
+      return ahead;
+    };
+    const double mixed = reached(&TrainedForecasts::is_mixed), banded = reached(&TrainedForecasts::has_band);
     std::string said;
-    if (trained_[q].empty() || !trained_[q].back().trained.is_mixed()) {
+    if (mixed == 0.0) {
       said = fmt::format(
           "says nothing: of no capture of the fit is there a forecast by a fit of others and what came after "
           "it; "
           "captures longer than the {:.4g} s that are seen were expected",
           prediction_.span);
-    } else if (trained_[q].back().ahead < kReached * reach) {
+    } else if (banded == 0.0) {
+      said = "has no bands: of captures of the fit there are fewer than 3 forecasts";
+    } else if (std::min(mixed, banded) < kReached * reach) {
       said = fmt::format(
           "has learned {:.4g} s ahead at most, and is asked {:.4g} s ahead: there its bands are those of "
           "nearer "
           "frames; captures of the fit that show as much after the {:.4g} s that are seen were expected",
-          trained_[q].back().ahead, reach, prediction_.span);
-    } else if (!trained_[q].back().trained.has_band()) {
-      said = "has no bands: of captures of the fit there are fewer than 3 forecasts";
+          std::min(mixed, banded), reach, prediction_.span);
     }
     if (said.empty()) continue;
     std::string& of_these = names[said];

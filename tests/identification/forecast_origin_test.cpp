@@ -238,6 +238,11 @@ TEST_CASE("a mixture that training taught nothing, or of nearer frames alone, is
   };
   CHECK_THAT(lacks_of(0), Catch::Contains("the mixture of position says nothing"));
   CHECK_THAT(lacks_of(1), Catch::Contains("the mixture of position has no bands"));
+  // Two show both horizons, two more the nearer one: it has bands.
+  std::vector<CapturePrediction> uneven = {training[0], training[1]};
+  for (int k = 2; k < 4; ++k) uneven.push_back(made(k, {0.02}, 5.0, 0.5, stream));
+  CHECK_THAT(MotionForecasts(kPlace, uneven, prediction).lacks(0.3).at(0),
+             Catch::Contains("the mixture of position has learned 0.02 s ahead at most"));
 
   // Captures of the fit that end where those left out are no longer seen.
   const BrakedFamily family;
