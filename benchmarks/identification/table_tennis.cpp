@@ -11,6 +11,7 @@
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/fitted_motion.h"
+#include "samara/identification/smoothing/medians.h"
 #include "samara/identification/statistics/baseline_scores.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"
@@ -131,7 +132,7 @@ struct Question {
 /// @param first frame with which the window begins
 std::optional<Question> question_of(const Capture& flight, const Horizon& horizon, Eigen::Index first = 0) {
   const Eigen::VectorXd since = flight.times.array() - flight.times[first];
-  const double half_frame = 0.5 * (since[1] - since[0]);
+  const double half_frame = 0.5 * samara::identification::median_interval(flight.times);
   Eigen::Index frame = 0;
   (since.array() - horizon.end).abs().minCoeff(&frame);
   if (std::abs(since[frame] - horizon.end) > 1.01 * half_frame) return {};
@@ -273,7 +274,10 @@ std::vector<FlightMoment> flight_moments(const std::vector<Capture>& flights, co
   for (const Capture& flight : flights) {
     for (Eigen::Index first = 0; first < (stride > 0 ? flight.frame_count() : 1); first += stride) {
       const auto question = question_of(flight, horizon, first);
-      if (!question) break;
+      if (!question) {  // there a frame is missing, or the flight has ended
+        if (stride <= 0) break;
+        continue;
+      }
       seen.push_back(question->seen);
       times.push_back(question->time);
       moments.push_back({.number = flight.labels.at("number"),

@@ -14,6 +14,7 @@
 #include "cases.h"
 #include "identification/settling_plates.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/smoothing/medians.h"
 #include "samara/pgd/tensors/random.h"
 #include "scored_split.h"
 
@@ -102,10 +103,13 @@ std::vector<AskedMoment> of_flagged(const std::vector<Capture>& flagged, const P
   std::vector<AskedMoment> moments;
   for (std::size_t k = 0; k < flagged.size(); ++k) {
     const Eigen::MatrixX3d positions = identification::positions_of(flagged[k]);
+    // A window across a gap would teach a later place.
+    const double longest =
+        (kind.frames - 1 + kind.ahead + 0.5) * identification::median_interval(flagged[k].times);
     for (const Window& window : identification::cut(flagged[k], kind.frames, kind.ahead, kDense)) {
       const Eigen::MatrixX3d all = positions.middleRows(window.first, kind.frames + kind.ahead);
       const Eigen::MatrixX3d steps = all.bottomRows(all.rows() - 1) - all.topRows(all.rows() - 1);
-      if (!(steps.rowwise().norm().maxCoeff() < kJump)) continue;
+      if (!(steps.rowwise().norm().maxCoeff() < kJump) || window.next_time > longest) continue;
       AskedMoment moment = moment_of(window, first + static_cast<int>(k), {}, {}, net_weight(kind));
       moment.for_autoregression_only = true;
       moments.push_back(std::move(moment));
