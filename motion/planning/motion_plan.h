@@ -12,11 +12,11 @@
 #include "samara/motion/planning/motion_sequence.h"
 #include "samara/motion/planning/sketch.h"
 
-/// What a fall is asked to be: MOTION.toml, as a value.
 namespace samara::codebooks {
 class Codebook;
 }
 
+/// What a fall is asked to be: MOTION.toml, as a value.
 namespace samara::motion {
 
 /// A coefficient that may change while the body falls.
