@@ -25,19 +25,29 @@ double drag_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, st
   return sum / length;
 }
 
-/// Deviation of the lift over some periods.
-double swing_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, std::size_t count) {
-  double sum = 0.0, squared = 0.0, length = 0.0;
+double lift_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, std::size_t count) {
+  double sum = 0.0, length = 0.0;
   for (std::size_t i = end - count; i < end; ++i) {
     sum += periods[i].length * periods[i].lift;
+    length += periods[i].length;
+  }
+  return sum / length;
+}
+
+/// Deviation of the lift over some periods.
+double swing_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, std::size_t count) {
+  double squared = 0.0, length = 0.0;
+  for (std::size_t i = end - count; i < end; ++i) {
     squared += periods[i].length * periods[i].lift_squared;
     length += periods[i].length;
   }
-  return std::sqrt(std::max(0.0, squared / length - std::pow(sum / length, 2)));
+  return std::sqrt(std::max(0.0, squared / length - std::pow(lift_of_last(periods, end, count), 2)));
 }
 
 constexpr double kSwing = 0.1,
                  kLeastSwing = 0.02;  // below which the size of a swing says nothing of the drag
+/// Of a constant lift: what is left when its square is taken away from the mean of its squares.
+constexpr double kRounding = 1e-7;
 
 /// Of the halves of what was averaged: the second less the first.
 struct Halves {
@@ -52,7 +62,7 @@ Halves halves_of(const std::vector<PeriodMeans>& periods) {
                after = swing_of_last(periods, count, half), larger = std::max(before, after);
   // A swing that says nothing of the drag yet may be the beginning of shedding about a body that was symmetric: it must not grow.
   const double change = larger < kLeastSwing ? after - before : std::abs(after - before);
-  return {drag, change <= kSwing * larger};
+  return {drag, change <= kSwing * larger + kRounding * std::abs(lift_of_last(periods, count, count))};
 }
 
 struct Sample {

@@ -134,6 +134,31 @@ TEST_CASE("a drag that stands still while a tiny swing of the lift grows is no m
   CHECK(is_known(with_swings(0.0, 1.0), 0.01));
 }
 
+TEST_CASE("a lift that stands still does not grow by the rounding of its squares", "[flow]") {
+  std::vector<PeriodMeans> periods;
+  for (int i = 0; i < 8; ++i) {
+    const double squared = i < 4 ? 0.49 : 0.49 * (1.0 + 4e-16);
+    periods.push_back({.length = 5.0, .drag = 1.0, .lift = 0.7, .lift_squared = squared});
+  }
+  CHECK(is_known(periods, 0.01));
+  // As counted, in steps that vary as those of a flow do.
+  for (const double still : {0.7, 0.31, -1.234}) {
+    samara::Stream random(6, 0);
+    PeriodCounter counter;
+    std::vector<PeriodMeans> counted;
+    for (double time = 0.0; time < 500.0;) {
+      const double step = 0.01 * (1.0 + 0.1 * random.uniform());
+      time += step;
+      if (const auto period = counter.add({time, step, 1.0, still, 0.0})) counted.push_back(*period);
+    }
+    int refused = 0;
+    for (auto end = counted.begin() + 5; end != counted.end(); ++end)
+      refused += is_known({counted.begin(), end}, 0.01) ? 0 : 1;
+    INFO("of " << counted.size() << " periods of the lift " << still);
+    CHECK(refused == 0);
+  }
+}
+
 TEST_CASE("shedding whose swings scatter and do not grow is averaged on and on", "[flow]") {
   // Of each period: drawn for itself, with a drag that goes with the square of the swing.
   const auto restarts = [](double scatter, std::uint64_t seed, double growth) {
