@@ -185,7 +185,7 @@ TEST_CASE("of hundreds of horizons dozens are trained, and between them forecast
   std::vector<double> ahead;
   for (int k = 1; k <= 200; ++k) ahead.push_back(0.01 * k);
   std::vector<CapturePrediction> training;
-  for (int k = 0; k < 40; ++k) training.push_back(made(k, ahead, 1.0, 0.0, stream, 0.0));
+  for (int k = 0; k < 20; ++k) training.push_back(made(k, ahead, 1.0, 0.0, stream, 0.0));
   const MotionForecasts trained(kPlace, training, {.span = 0.2, .ahead = 2.0});
   const std::vector<double> horizons = trained.horizons(0);
   CHECK(horizons.size() < 40);
@@ -196,7 +196,7 @@ TEST_CASE("of hundreds of horizons dozens are trained, and between them forecast
   };
   // Errors of the autoregression, and deviations of the mixture.
   std::vector<double> errors(ahead.size(), 0.0), deviations(ahead.size(), 0.0);
-  for (int k = 100; k < 120; ++k) {
+  for (int k = 100; k < 110; ++k) {
     const CapturePrediction one = made(k, ahead, 1.0, 0.0, stream, 0.0);
     for (std::size_t frame = 0; frame < ahead.size(); ++frame) {
       const auto row = static_cast<Eigen::Index>(frame);
