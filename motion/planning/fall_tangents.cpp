@@ -80,7 +80,7 @@ bool FallTangents::step(long steps) {
     }
     ramp_left_ = std::max(0L, ramp_left_ - now);
     steps -= now;
-    use_.asked += fall_.plan().search.step * static_cast<double>(now);
+    use_.asked += now;
     if (!lanes().finite(0)) return false;
   }
   return true;
@@ -110,7 +110,7 @@ bool FallTangents::step_by_book(long steps) {
   value_lane_.step(fall_.plan().search.step, steps);
   value_lane_.read(0, state_);
   ++use_.windows;
-  use_.served += duration;
+  use_.served += steps;
   return true;
 }
 

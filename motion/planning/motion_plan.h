@@ -90,11 +90,11 @@ struct PlanningStep {
 
 /// What a plan's codebook did where tangents were asked for.
 struct BookUse {
-  long windows = 0;  ///< of the codebook that were asked, cut short where a fall was looked at
-  double served = 0.0, asked = 0.0;  ///< s: of falls whose tangents they gave, and of all
+  long windows = 0;            ///< of the codebook that were asked, cut short where a fall was looked at
+  long served = 0, asked = 0;  ///< steps of falls: whose tangents they gave, and all
 
   /// 0 where none were asked for.
-  double share() const { return asked > 0.0 ? served / asked : 0.0; }
+  double share() const { return asked > 0 ? static_cast<double>(served) / static_cast<double>(asked) : 0.0; }
   BookUse operator+(const BookUse& more) const {
     return {windows + more.windows, served + more.served, asked + more.asked};
   }

@@ -1,10 +1,13 @@
 /// Tangents of planned falls from a codebook.
 #include <cmath>
+#include <filesystem>
 
 #include <catch2/catch.hpp>
 
 #include "plate_courses.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/motion/planning/fall_tangents.h"
 #include "samara/motion/planning/planner.h"
@@ -71,7 +74,7 @@ TEST_CASE("tangents of a codebook are those of the steps, within its certificate
   plan.codebook = plate_windows();
   const Steered book = steer(plan);
   // Ramps take a third of the time, and are always made of steps.
-  CHECK(book.use.asked == Approx(4 * 8 * 0.37));
+  CHECK(book.use.asked == 4 * 8 * 37);
   CHECK(book.use.share() > 0.5);
   CHECK(book.use.share() < 0.67);
   // The state does not know of the codebook.
@@ -101,6 +104,44 @@ TEST_CASE("a plan with a codebook comes as near to its sketch, by one solution o
   // Nothing is refined where nothing has tangents.
   plan.search.sweeps = 0;
   CHECK(plan_motion(plan).book->share() == 0.0);
+}
+
+TEST_CASE(
+    "a refining that is interrupted goes on with its own codebook only, and counts all that it served") {
+  MotionPlan plan = steered_plan();
+  plan.search.sweeps = 2;
+  plan.codebook = plate_windows();
+  const MotionResult whole = plan_motion(plan);
+  const auto folder = std::filesystem::temp_directory_path();
+  const auto part = folder / "samara_refining.part", file = folder / "samara_windows.h5";
+  std::filesystem::remove(part);
+  samara::codebooks::save(*plan.codebook, file);
+  plan.codebook = std::make_shared<const samara::codebooks::Codebook>(samara::codebooks::load(file));
+  MotionPlan coarser = plan, without = plan;
+  coarser.codebook = windows("1e-3");
+  without.codebook.reset();
+  int interruptions = 0;
+  MotionResult parts;
+  do {
+    // One window of knots each time.
+    int calls = 0;
+    const auto progress = [&](const samara::Progress& at) { return at.stage != "refining" || ++calls < 2; };
+    parts = plan_motion(plan, {.progress = progress, .checkpoint = part});
+    if (parts.status == MotionStatus::cancelled && interruptions++ == 0) {
+      for (const MotionPlan& other : {coarser, without}) {
+        CHECK_THROWS_WITH(plan_motion(other, {.checkpoint = part}),
+                          Catch::Contains("belongs to another plan"));
+      }
+    }
+    REQUIRE(interruptions < 1000);
+  } while (parts.status == MotionStatus::cancelled);
+  CHECK(interruptions > 3);
+  CHECK(parts.states == whole.states);
+  REQUIRE(parts.book);
+  CHECK(parts.book->windows == whole.book->windows);
+  CHECK(parts.book->served == whole.book->served);
+  CHECK(parts.book->asked == whole.book->asked);
+  std::filesystem::remove(file);
 }
 
 TEST_CASE("outside the box of a codebook tangents are those of the steps") {
