@@ -134,6 +134,7 @@ std::string first_difference(std::string_view its, std::string_view ours) {
     of_its = next_line(its);
     of_ours = next_line(ours);
   }
+  if (of_its == of_ours) return "they differ in line breaks at the end";
   return fmt::format("\"{}\" stands there where this one has \"{}\"", of_its, of_ours);
 }
 

@@ -186,7 +186,30 @@ TEST_CASE("a checkpoint of another plan is refused and left alone") {
                Contains(checkpoint.string() + ": the checkpoint belongs to another plan") &&
                    Contains("where this one has \"" + line + "\""));
   }
+  // An empty line more, or no break of the last one.
+  const std::string whole = coin_plan();
+  REQUIRE(whole.ends_with("\n"));
+  for (const std::string& other : {whole + "\n", whole.substr(0, whole.size() - 1)}) {
+    CHECK_THAT(error_text<InputError>([&] { build(parse_plan(other, "other.toml"), options); }),
+               Contains("they differ in line breaks at the end"));
+  }
   CHECK(content(checkpoint) == before);
+}
+
+TEST_CASE("a checkpoint whose plan is damaged says so, and not that it is of another") {
+  const TemporaryDirectory directory;
+  const fs::path checkpoint = directory / "checkpoint";
+  leave_checkpoint(checkpoint);
+  std::string bytes = content(checkpoint);
+  const std::size_t place = bytes.find("[box]");
+  REQUIRE(place != std::string::npos);
+  bytes[place] = '(';
+  put_content(checkpoint, bytes);
+  CHECK_THAT(
+      error_text<InputError>([&] { resumed(checkpoint); }),
+      Contains(checkpoint.string() + ": the checkpoint is damaged: it does not say of which plan it is") &&
+          Contains("--fresh begins anew"));
+  CHECK(content(checkpoint) == bytes);
 }
 
 TEST_CASE("a checkpoint that is cut anywhere is gone on from, or refused where it does not name its plan") {
