@@ -21,7 +21,9 @@ class LineRefinement {
   LineRefinement(Index coordinate, const pgd::Axis::Label& label, double lower, double upper,
                  const Values& values, const LineElementsOptions& options)
       : coordinate_(coordinate), label_(label), values_(values), options_(options) {
-    borders_ = {lower, middle_of({lower, upper}), upper};
+    borders_ = {lower, upper};
+    if (options.borders.size() == 0) borders_.insert(middle_of({lower, upper}));
+    borders_.insert(options.borders.begin(), options.borders.end());
   }
 
   std::optional<LineElements> run(const std::function<Eigen::MatrixXd()>& fresh_bases) {

@@ -17,6 +17,7 @@ struct LineElements {
 };
 
 struct LineElementsOptions {
+  Eigen::VectorXd borders;  ///< of elements to begin with; empty: two halves
   double tolerance = 1e-4;  ///< of a value between the nodes
   int degree = 8;           ///< even: the middle of an element is a node
   int max_nodes = 512;

@@ -97,8 +97,8 @@ void LineNodes::look_along(Index coordinate, const Eigen::MatrixXd& bases, doubl
 std::vector<int> LineNodes::within(double bound) const {
   std::vector<int> nodes;
   for (std::size_t k = 0; k < tails_.size(); ++k)
-    nodes.push_back(elements_[k] ? elements_[k]->size()
-                                 : std::clamp(nodes_for(tails_[k], bound), 2, max_nodes_));
+    nodes.push_back(elements_[k].empty() ? std::clamp(nodes_for(tails_[k], bound), 2, max_nodes_)
+                                         : elements_[k].back().size());
   return nodes;
 }
 
@@ -107,21 +107,29 @@ bool LineNodes::needs_more(Index coordinate, double bound) const {
 }
 
 void LineNodes::set_elements(Index coordinate, pgd::Axis axis) {
-  elements_[static_cast<std::size_t>(coordinate)] = std::move(axis);
+  elements_[static_cast<std::size_t>(coordinate)].push_back(std::move(axis));
 }
 
-const std::optional<pgd::Axis>& LineNodes::elements(Index coordinate) const {
-  return elements_[static_cast<std::size_t>(coordinate)];
+const pgd::Axis* LineNodes::elements(Index coordinate) const {
+  const std::vector<pgd::Axis>& axes = elements_[static_cast<std::size_t>(coordinate)];
+  return axes.empty() ? nullptr : &axes.back();
 }
 
 bool LineNodes::has_elements() const {
-  return std::ranges::any_of(elements_, [](const auto& axis) { return axis.has_value(); });
+  return std::ranges::any_of(elements_, [](const auto& axes) { return !axes.empty(); });
+}
+
+pgd::Axis LineNodes::axis(Index coordinate, int nodes) const {
+  for (const pgd::Axis& axis : elements_[static_cast<std::size_t>(coordinate)]) {
+    if (axis.size() == nodes) return axis;
+  }
+  return axis_of_(coordinate, nodes);
 }
 
 const Front* LineNodes::front() const {
   const Front* worst = nullptr;
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
-    if (fronts_[k] && !elements_[k] && (worst == nullptr || worst->error < fronts_[k]->error))
+    if (fronts_[k] && elements_[k].empty() && (worst == nullptr || worst->error < fronts_[k]->error))
       worst = &*fronts_[k];
   }
   return worst;

@@ -53,11 +53,14 @@ class LineNodes {
   /// Whether as many as are allowed leave more.
   bool needs_more(Eigen::Index coordinate, double bound) const;
 
-  /// Has a coordinate in elements instead (line_elements.h), which follow its fronts.
+  /// Has a coordinate in elements instead (line_elements.h), which follow its fronts; or in more of them, halves of
+  /// those before.
   void set_elements(Eigen::Index coordinate, pgd::Axis axis);
-  /// Nothing where one polynomial is to do.
-  const std::optional<pgd::Axis>& elements(Eigen::Index coordinate) const;
+  /// The last that were set; null where one polynomial is to do.
+  const pgd::Axis* elements(Eigen::Index coordinate) const;
   bool has_elements() const;
+  /// Elements that were set and have so many nodes, or else a polynomial.
+  pgd::Axis axis(Eigen::Index coordinate, int nodes) const;
 
   /// The worst, of coordinates that are not in elements; null if there is none: no cross over such nodes can meet the
   /// tolerance.
@@ -76,7 +79,7 @@ class LineNodes {
   /// the lines.
   std::vector<Eigen::VectorXd> tails_;
   std::vector<std::optional<Front>> fronts_;
-  std::vector<std::optional<pgd::Axis>> elements_;
+  std::vector<std::vector<pgd::Axis>> elements_;  ///< per coordinate, fewest first
 };
 
 }  // namespace samara::codebooks

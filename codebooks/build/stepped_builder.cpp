@@ -47,6 +47,8 @@ constexpr int kLines = 32;
 constexpr int kCheckPoints = 2000;
 constexpr int kMaxNodes = 128;
 constexpr int kMaxElementNodes = 512;
+/// What is asked of nodes in the next round, where it was not enough.
+constexpr double kTighter = 0.2;
 /// In a box with elements, a coordinate whose polynomial takes more nodes than these is tried in elements, too.
 constexpr int kLongBesideElements = 64;
 constexpr int kMaxRank = 400;
@@ -172,14 +174,6 @@ class SteppedBuild {
   void try_elements() {
     LineNodes lines = lines_;
     const double bound = kShareOfNodes * plan_.relative;
-    Eigen::MatrixXd places(coordinates(), 0);
-    const auto bases = [&] {
-      Eigen::MatrixXd some = corners_and_inside(plan_, kLines, random_);
-      for (Index j = 0; j < some.cols() && places.cols() > 0; ++j) {
-        if (j % 4 != 3) some.col(j) = places.col(random_.below(static_cast<int>(places.cols())));
-      }
-      return some;
-    };
     bool is_in_vain = false;  // a front that elements do not follow either
     const auto cut = [&](Index k) {
       const int nodes = lines.within(bound)[static_cast<std::size_t>(k)];
@@ -187,13 +181,13 @@ class SteppedBuild {
       const bool is_long = needs_more || (lines.has_elements() && nodes > kLongBesideElements);
       if (is_in_vain || lines.elements(k) || !is_long) return;
       trajectories_.tell("elements", static_cast<double>(k) / static_cast<double>(coordinates()));
-      std::optional<LineElements> found = elements_of(k, bases);
+      std::optional<LineElements> found = elements_of(lines, k, kShareOfNodes, random_);
       is_in_vain = !found && needs_more;
       if (!found || (found->axis.size() >= nodes && !needs_more)) return;
       lines.set_elements(k, std::move(found->axis));
-      const Index known = places.cols();
-      places.conservativeResize(Eigen::NoChange, known + found->steepest.cols());
-      places.rightCols(found->steepest.cols()) = found->steepest;
+      const Index known = front_places_.cols();
+      front_places_.conservativeResize(coordinates(), known + found->steepest.cols());
+      front_places_.rightCols(found->steepest.cols()) = found->steepest;
     };
     std::vector<Index> order;
     for (Index k = 0; k < coordinates(); ++k) order.push_back(k);
@@ -204,22 +198,57 @@ class SteppedBuild {
     if (!lines.has_elements()) return;
     for (const Index k : order) {
       if (is_in_vain) return;
-      if (!lines.elements(k)) look_along(lines, k, bases());
+      if (!lines.elements(k)) look_along(lines, k, bases_at_fronts(random_));
       cut(k);
     }
     if (!is_in_vain && lines.front() == nullptr) lines_ = std::move(lines);
   }
 
-  std::optional<LineElements> elements_of(Index coordinate, const std::function<Eigen::MatrixXd()>& bases) {
+  /// Of lines, most of them through the places of fronts that are known.
+  Eigen::MatrixXd bases_at_fronts(pgd::Random& random) const {
+    Eigen::MatrixXd some = corners_and_inside(plan_, kLines, random);
+    for (Index j = 0; j < some.cols() && front_places_.cols() > 0; ++j) {
+      if (j % 4 != 3) some.col(j) = front_places_.col(random.below(static_cast<int>(front_places_.cols())));
+    }
+    return some;
+  }
+
+  /// Halves of those that the coordinate has.
+  std::optional<LineElements> elements_of(const LineNodes& lines, Index coordinate, double share,
+                                          pgd::Random& random) {
     LineElementsOptions options;
+    if (const pgd::Axis* axis = lines.elements(coordinate)) options.borders = axis->borders();
     // Twice: an error that is seen, not a bound of it.
-    options.tolerance = 2.0 * kShareOfNodes * plan_.relative;
+    options.tolerance = 2.0 * share * plan_.relative;
     options.max_nodes = plan_.builder.max_nodes.value_or(kMaxElementNodes);
     options.max_points = std::min(options.max_points, trajectories_.left() / 8);
     const BoxEntry& entry = plan_.box[static_cast<std::size_t>(coordinate)];
     const auto values = [&](const Eigen::MatrixXd& points) { return scaled_values(points, times_); };
+    const auto bases = [&] { return bases_at_fronts(random); };
     return elements_along(coordinate, source_.coordinates[static_cast<std::size_t>(coordinate)], entry.lower,
                           entry.upper, values, bases, options);
+  }
+
+  /// Until they err along lines by no more than their share. A build that goes on from a state halves as the one did
+  /// that has left it: in the same steps, by draws of their own.  @throws SteppedEnd where they would be too many
+  void halve_elements() {
+    while (lines_.has_elements() && element_share_ > state_.element_share) {
+      element_share_ *= kTighter;
+      pgd::Random random(plan_.builder.seed);
+      for (Index k = 0; k < coordinates(); ++k) {
+        if (!lines_.elements(k)) continue;
+        trajectories_.tell("elements", static_cast<double>(k) / static_cast<double>(coordinates()));
+        std::optional<LineElements> found = elements_of(lines_, k, element_share_, random);
+        if (!found) {
+          throw SteppedEnd(
+              {Termination::exhausted,
+               fmt::format("{} elements along {} do not suffice, and halves of them take more nodes "
+                           "than are allowed",
+                           lines_.elements(k)->elements(), lines_.elements(k)->name())});
+        }
+        if (found->axis.size() > lines_.elements(k)->size()) lines_.set_elements(k, std::move(found->axis));
+      }
+    }
   }
 
   /// The first round is a coarse one: its pivots make the next cheaper, and its field is there if the calls end. Where
@@ -230,6 +259,7 @@ class SteppedBuild {
     const bool is_coarse = !lines_.has_elements();
     state_.cross_share = (is_coarse ? kCoarse : 1.0) * kShareOfCross;
     state_.node_share = (is_coarse ? 2.0 * kCoarse : 1.0) * kShareOfNodes;
+    state_.element_share = kShareOfNodes;
     state_.random = random_;
     state_.calls = trajectories_.calls();
     state_.times = times_;
@@ -244,6 +274,7 @@ class SteppedBuild {
     } catch (const ArgumentError& error) {
       throw bad_checkpoint(kept_.file, error.what());
     }
+    halve_elements();
     const auto rows = static_cast<std::size_t>(states()) * times_.size();
     if (state_.times != times_ ||
         !state_.fits(plan_.box.size(), rows, lines_.within(state_.node_share * plan_.relative)))
@@ -272,16 +303,23 @@ class SteppedBuild {
 
   std::vector<pgd::Axis> axes_of(const std::vector<int>& nodes) const {
     std::vector<pgd::Axis> axes;
-    for (Index k = 0; k < coordinates(); ++k) {
-      const std::optional<pgd::Axis>& elements = lines_.elements(k);
-      axes.push_back(elements ? *elements : polynomial_axis(k, nodes[static_cast<std::size_t>(k)]));
-    }
+    for (Index k = 0; k < coordinates(); ++k)
+      axes.push_back(lines_.axis(k, nodes[static_cast<std::size_t>(k)]));
     return axes;
   }
 
   /// Where elements are short, as densely as they lie.
   Eigen::MatrixXd points_near_fronts(int count) {
     return points_by_elements(axes_of(lines_.within(plan_.relative)), count, random_);
+  }
+
+  /// Than the last round: its pivots do not lie on them.
+  bool has_other_elements(const std::vector<int>& nodes) const {
+    for (Index k = 0; k < coordinates(); ++k) {
+      const auto place = static_cast<std::size_t>(k);
+      if (lines_.elements(k) && nodes[place] != state_.nodes[place]) return true;
+    }
+    return false;
   }
 
   /// The train of all states at all times over the grid, by crosses whose guards err by at most `tolerance`.
@@ -302,7 +340,8 @@ class SteppedBuild {
     if (lines_.front()) options.max_evaluations = kMostBeforeFront;
     if (lines_.has_elements() && plan_.builder.max_calls == 0) options.max_evaluations = kMostOverElements;
     options.seed = random_.bits();
-    if (!state_.nodes.empty()) options.start = pgd::carried_over(state_.pivots, state_.nodes, nodes);
+    if (!state_.nodes.empty() && !has_other_elements(nodes))
+      options.start = pgd::carried_over(state_.pivots, state_.nodes, nodes);
     options.checkpoint = [this](pgd::CrossState& sweep) {
       state_.sweep = {sweep};
       keep();
@@ -398,6 +437,13 @@ class SteppedBuild {
     keep();
   }
 
+  bool are_polynomials_used_up() const {
+    for (Index k = 0; k < coordinates(); ++k) {
+      if (!lines_.elements(k) && lines_.needs_more(k, state_.node_share * plan_.relative)) return true;
+    }
+    return false;
+  }
+
   /// For the next round. @param is_refuted by the certificate, at points that tell nodes from ranks no more than fresh
   /// ones have  @throws SteppedEnd where ranks or nodes do not allow it
   void tighten(bool is_refuted) {
@@ -414,12 +460,20 @@ class SteppedBuild {
       state_.cross_share = kShareOfCross;
       state_.node_share = kShareOfNodes;
     } else {
-      if (needs_nodes || is_refuted) state_.node_share *= 0.2;
+      if (needs_nodes || is_refuted) state_.node_share *= kTighter;
       if (!needs_nodes || is_refuted || state_.guard_error > state_.cross_share * plan_.relative)
         state_.cross_share *= 0.5;
     }
+    const auto is_same_grid = [&] {
+      return lines_.within(state_.node_share * plan_.relative) == state_.nodes;
+    };
+    // Polynomials first: a cross over the same elements goes on from the pivots of the last.
+    if (lines_.has_elements() && needs_nodes && !state_.are_ranks_used_up && is_same_grid()) {
+      state_.element_share *= kTighter;
+      halve_elements();
+    }
     const bool are_nodes_used_up =
-        state_.round > 1 && needs_nodes && lines_.within(state_.node_share * plan_.relative) == state_.nodes;
+        (state_.round > 1 || lines_.has_elements()) && needs_nodes && is_same_grid();
     // One that errs by little is worth a fine round.
     constexpr double kLittle = 10.0;
     const Front* front = lines_.front();
@@ -432,8 +486,11 @@ class SteppedBuild {
                                                               : "the nodes allowed do not suffice")});
     }
     if (state_.are_ranks_used_up || are_nodes_used_up) {
-      throw SteppedEnd({Termination::exhausted, fmt::format("the {} allowed do not suffice",
-                                                            state_.are_ranks_used_up ? "ranks" : "nodes")});
+      throw SteppedEnd(
+          {Termination::exhausted, state_.are_ranks_used_up ? "the ranks allowed do not suffice"
+                                   : lines_.has_elements() && !are_polynomials_used_up()
+                                       ? "the nodes that lines ask for do not suffice between them"
+                                       : "the nodes allowed do not suffice"});
     }
     state_.is_crossed = false;
   }
@@ -479,8 +536,9 @@ class SteppedBuild {
         trajectories_.calls(), trajectories_.step(), mesh_->axis.elements(),
         fmt::join(state_.nodes_of_best, " x "), field.entries(), rounded_->field.entries());
     for (Index k = 0; k < coordinates(); ++k) {
-      if (const std::optional<pgd::Axis>& axis = lines_.elements(k))
-        record_.message += fmt::format("; {} elements along {}", axis->elements(), axis->name());
+      if (!lines_.elements(k)) continue;
+      const pgd::Axis axis = lines_.axis(k, state_.nodes_of_best[static_cast<std::size_t>(k)]);
+      record_.message += fmt::format("; {} elements along {}", axis.elements(), axis.name());
     }
     record_.evaluations = static_cast<double>(trajectories_.calls());
     record_.grid_size = 1.0;
@@ -503,6 +561,8 @@ class SteppedBuild {
   Eigen::VectorXd scale_;
   std::vector<double> times_;
   LineNodes lines_;
+  Eigen::MatrixXd front_places_;          ///< of the box, a column each
+  double element_share_ = kShareOfNodes;  ///< which elements follow
   SteppedState state_;
   int refuted_ = 0;  ///< by certificates
   std::optional<pgd::RoundedField> rounded_;

@@ -14,7 +14,7 @@ namespace samara::codebooks {
 struct SteppedState {
   std::vector<double> times;  ///< nodes of the axis of time, as the build has chosen them
   int round = 1;
-  double cross_share = 0.0, node_share = 0.0;
+  double cross_share = 0.0, node_share = 0.0, element_share = 0.0;
   pgd::Random random{0};  ///< as it was before the round, or after the cross
   long calls = 0;
   pgd::CrossPivots pivots;  ///< of the last cross, as are the nodes
@@ -29,7 +29,7 @@ struct SteppedState {
 
   template <class Archive>
   void transfer(Archive& archive) {
-    archive(times, round, cross_share, node_share, random, calls, pivots.right, nodes);
+    archive(times, round, cross_share, node_share, element_share, random, calls, pivots.right, nodes);
     auto sweeps = sweep.size();
     archive(sweeps);
     sweep.resize(std::min<std::size_t>(sweeps, 1));

@@ -393,6 +393,52 @@ TEST_CASE("a build over elements that is killed and resumed equals an undisturbe
   check_same_but_provenance(built_by_steps(plan, options).book, undisturbed.book);
 }
 
+TEST_CASE(
+    "elements that err between the lines that made them are halved, and a killed build halves them again") {
+  // y has a front at x(0) = 0 in a small part of the box, which few lines cross. It is a polynomial of the others, for
+  // which more nodes are of no use. x does not count. The seed is one whose lines see too little.
+  const std::string plan = R"toml([equations]
+name = "rare_front"
+states.x = { initial = 0 }
+states.y = { initial = 0 }
+parameters.a = { default = 0.5 }
+parameters.b = { default = 0.5 }
+parameters.c = { default = 0.5 }
+rates.x = "6*(x - x^3)"
+rates.y = "(64*a*(1 - a)*b*(1 - b)*c*(1 - c))^8 * x"
+[box]
+"x(0)" = [-1, 0.9]
+a = [0, 1]
+b = [0, 1]
+c = [0, 1]
+[time]
+end = 1
+[tolerance]
+relative = 1e-3
+absolute = { x = 1e6 }
+[builder]
+seed = 6
+)toml" + kSteps;
+  const BuildResult undisturbed = built_by_steps(plan);
+  INFO(undisturbed.message << "; " << undisturbed.book.build().message);
+  CHECK(undisturbed.met);
+  CHECK(undisturbed.book.build().rounds > 1);
+  CHECK_THAT(undisturbed.book.build().message, Contains("elements along x(0)"));
+
+  const TemporaryDirectory directory;
+  const std::filesystem::path checkpoint = directory / "book.h5.checkpoint";
+  struct Killed {};
+  BuildOptions options{.certificate_points = 200, .checkpoint = checkpoint};
+  options.progress = [&](const samara::Progress& report) {
+    if (report.stage == "certificate") throw Killed();
+    return true;
+  };
+  CHECK_THROWS_AS(built_by_steps(plan, options), Killed);
+  options.resume = true;
+  options.progress = {};
+  check_same_but_provenance(built_by_steps(plan, options).book, undisturbed.book);
+}
+
 TEST_CASE("elements are short where a front passes, and are given up where they would be too many") {
   constexpr double kWidth = 0.01;
   const auto values = [&](const Eigen::MatrixXd& points) -> Eigen::MatrixXd {
@@ -416,6 +462,14 @@ TEST_CASE("elements are short where a front passes, and are given up where they 
     if (std::abs(middle) > 0.9) CHECK(size >= 0.2);
     if (std::abs(middle) < 0.15) CHECK(size <= 8.0 * kWidth);
   }
+  // Those to begin with stay, and are halved where they err by more than is asked for now.
+  LineElementsOptions finer = options;
+  finer.borders = borders;
+  finer.tolerance = 0.01 * options.tolerance;
+  const std::optional<LineElements> halved = elements_along(0, {"x"}, -1.0, 1.0, values, bases, finer);
+  REQUIRE(halved);
+  CHECK(halved->axis.elements() > found->axis.elements());
+  for (const double border : borders) CHECK((halved->axis.borders().array() == border).any());
   options.max_nodes = 40;
   CHECK_FALSE(elements_along(0, {"x"}, -1.0, 1.0, values, bases, options));
 }
