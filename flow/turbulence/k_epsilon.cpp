@@ -264,9 +264,11 @@ void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
     const V energy = (decayed + added) * load<V>(after + i), dissipation = energy * load<V>(rate + i);
     const V inverse = load<V>(open_.inverse_cell.data() + first + i);
     const V in_fluid = load<V>(wall_distance_.data() + first + i) > 0.0 ? none : (inverse > 0.0 ? one : none);
-    const V volume = in_fluid > 0.0 ? 1.0 / inverse : none;
-    store<V>(load<V>(sums.produced) + volume * added, sums.produced);
-    store<V>(load<V>(sums.dissipated) + volume * (old + added - energy), sums.dissipated);
+    // Where the wall gives eps the growth may be without bounds, and 0 of it is no number.
+    const V produced = in_fluid > 0.0 ? added / inverse : none;
+    const V dissipated = in_fluid > 0.0 ? (old + added - energy) / inverse : none;
+    store<V>(load<V>(sums.produced) + produced, sums.produced);
+    store<V>(load<V>(sums.dissipated) + dissipated, sums.dissipated);
     // Looked at as they came, too, before production could hide it.
     const auto positive = (old > 0.0) & (old_epsilon > 0.0) & (energy > 0.0) & (dissipation > 0.0);
     store<V>(load<V>(sums.not_positive) + (positive ? none : in_fluid), sums.not_positive);
