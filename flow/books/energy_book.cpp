@@ -55,7 +55,7 @@ codebooks::Plan energy_plan(const FlowPlan& plan) {
   if (plan.box.empty()) throw ArgumentError("an energy book needs a box, which the plan does not have");
   codebooks::Plan book;
   book.title = plan.title;
-  book.text = plan.text;
+  book.text = checkpointed_text(plan);
   book.box = plan.box;
   book.relative = plan.relative;
   book.builder.kind = "sampling";
@@ -173,7 +173,7 @@ codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   const codebooks::Codebook book(codebooks::describe(book_plan),
                                  {codebooks::Piece{{field_of(grid, plan, outputs)}}}, record,
-                                 codebooks::made_now(book_plan.text, took.count()), {}, plan.title);
+                                 codebooks::made_now(plan.text, took.count()), {}, plan.title);
   codebooks::CertifyOptions certify;
   certify.points = options.certificate_points.value_or(plan.certificate_points);
   certify.seed = book_plan.certificate_seed();

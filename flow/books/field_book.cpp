@@ -39,7 +39,7 @@ double field_floor(const std::string& output) {
 codebooks::Plan plan_of_book(const FlowPlan& plan) {
   codebooks::Plan book;
   book.title = plan.title;
-  book.text = plan.text;
+  book.text = checkpointed_text(plan);
   book.box = plan.box;
   book.relative = plan.relative;
   book.builder.kind = "sampling";
@@ -104,7 +104,7 @@ class FieldBuilder {
     codebooks::BuildRecord record = record_of();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     codebooks::Codebook book(description(), {codebooks::Piece(groups())}, record,
-                             codebooks::made_now(book_plan_.text, took.count()), {}, plan_.title);
+                             codebooks::made_now(plan_.text, took.count()), {}, plan_.title);
     book = book.with_mesh(cell_mesh(grid_of(plan_.flow)));
     codebooks::Certificate certificate = certify(book);
     certificate.met = certificate.met && growth_.status == Termination::converged;

@@ -28,7 +28,7 @@ std::vector<pgd::OutputLabel> field_outputs(const FlowCase& flow);
 
 /// @param options as of codebooks::build(); a checkpoint keeps every flow that was solved
 /// @throws ArgumentError for a plan without a box; NoResultError where a flow is not found; InputError for a checkpoint
-/// of another plan
+/// of another plan or solver
 codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
 
 /// Root mean square over the places of what twice the cells change, every output over the range that the book has at

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/flow/march/flow_checkpoint.h"
 
 namespace samara::flow {
 
@@ -38,6 +39,10 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point,
     throw NoResultError(
         fmt::format("the {} ends as \"{}\": {}", where, to_string(result.status), result.message));
   return result;
+}
+
+std::string checkpointed_text(const FlowPlan& plan) {
+  return fmt::format("{}\n# solver of flows, revision {}", plan.text, kRevision);
 }
 
 std::pair<std::vector<double>, std::vector<double>> corners_of(const FlowPlan& plan) {

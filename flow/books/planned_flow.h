@@ -1,8 +1,11 @@
 #pragma once
 
+#include <functional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "samara/codebooks/build/build.h"
 #include "samara/flow/files/flow_plan.h"
 
 /// The flows that a book of a plan stands for.
@@ -13,6 +16,9 @@ FlowCase flow_case_at(const FlowPlan& plan, const std::vector<double>& point);
 
 /// The same, solved. @throws NoResultError if it is neither steady nor averaged in the end
 FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point, const ProgressCallback& progress);
+
+/// What checkpoints of a book must agree in: the plan, and the revision of the solver.
+std::string checkpointed_text(const FlowPlan& plan);
 
 /// Lower and upper corner of the plan's box.
 std::pair<std::vector<double>, std::vector<double>> corners_of(const FlowPlan& plan);

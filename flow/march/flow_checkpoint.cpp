@@ -84,8 +84,6 @@ std::vector<double> as_numbers(const Eigen::VectorXd& values) {
 }  // namespace
 
 std::string case_text(const FlowCase& flow, const FlowOptions& options) {
-  // Raise it whenever the same case takes other bits, or the state holds other numbers.
-  constexpr int kRevision = 6;
   std::string text = fmt::format(
       "samara {} flow, solver {}: {} of {} dimensions, angle {} Re {} I {} turbulence {} domain {} {} {} n "
       "{} central "

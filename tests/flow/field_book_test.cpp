@@ -9,10 +9,12 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/place_query.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/flow/books/cell_mesh.h"
 #include "samara/flow/books/energy_book.h"
 #include "samara/flow/books/field_flow.h"
 #include "samara/flow/books/leja_grid.h"
+#include "samara/flow/books/planned_flow.h"
 
 using namespace samara;
 using namespace samara::flow;
@@ -125,6 +127,30 @@ TEST_CASE("an energy book takes few flows, answers as they do, and goes on from 
   CHECK_THROWS_WITH(build_energy_book(plan), Contains("max_calls") && Contains("at least 4"));
   plan.box.clear();
   CHECK_THROWS_WITH(build_energy_book(plan), Contains("needs a box"));
+}
+
+TEST_CASE("a book does not go on from the flows of another solver, and says so") {
+  FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  codebooks::BuildOptions options;
+  options.checkpoint = std::filesystem::temp_directory_path() / "samara_flow_book_test.checkpoint";
+  options.resume = true;
+  options.progress = [](const Progress&) { return false; };
+  std::string older = checkpointed_text(plan);
+  older.back() = 'x';
+  for (const std::string& text : {plan.text, older}) {
+    std::filesystem::remove(options.checkpoint);
+    codebooks::Checkpoint(options.checkpoint, text).save_calls({});
+    CHECK_THROWS_WITH(build_energy_book(plan, options),
+                      Contains("belongs to another plan") && Contains("--fresh"));
+    CHECK_THROWS_WITH(build_field_book(plan, options),
+                      Contains("belongs to another plan") && Contains("--fresh"));
+  }
+  // That of this one is taken up, and the first flow is cancelled.
+  std::filesystem::remove(options.checkpoint);
+  codebooks::Checkpoint(options.checkpoint, checkpointed_text(plan)).save_calls({});
+  CHECK_THROWS_AS(build_energy_book(plan, options), NoResultError);
+  CHECK_THROWS_AS(build_field_book(plan, options), NoResultError);
+  std::filesystem::remove(options.checkpoint);
 }
 
 TEST_CASE("cells fill the box of their centres, and closed ones go on from the surface") {
