@@ -52,7 +52,6 @@ double mean_near(const FlowResult& result, const FlowCase& flow, const Field& fi
 }
 
 codebooks::Plan energy_plan(const FlowPlan& plan) {
-  if (plan.box.empty()) throw ArgumentError("an energy book needs a box, which the plan does not have");
   codebooks::Plan book;
   book.title = plan.title;
   book.text = checkpointed_text(plan);
@@ -127,12 +126,10 @@ Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& po
   return energy_of(solve_at(plan, point, progress), flow_case_at(plan, point));
 }
 
-codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
+namespace {
+
+codebooks::BuildResult built(const FlowPlan& plan, const codebooks::BuildOptions& options) {
   const codebooks::Plan book_plan = energy_plan(plan);
-  const long least = plan.box.size() == 1 ? 4 : 11;
-  require(plan.max_calls >= least, "max_calls", plan.max_calls,
-          fmt::format("at least {}, the first grid and a flow along each coordinate", least),
-          "an energy book");
   const auto begin = std::chrono::steady_clock::now();
   // A command is told what is fixed as well: the angle, then the Reynolds number.
   const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
@@ -189,6 +186,17 @@ codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::
                   certificate.max_error, certificate.points, certificate.tolerance);
   const bool met = certificate.met, incomplete = certificate.failed_points > 0;
   return {book.with_certificate(std::move(certificate)), met, message, incomplete};
+}
+
+}  // namespace
+
+codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
+  if (plan.box.empty()) throw ArgumentError("an energy book needs a box, which the plan does not have");
+  const long least = plan.box.size() == 1 ? 4 : 11;
+  require(plan.max_calls >= least, "max_calls", plan.max_calls,
+          fmt::format("at least {}, the first grid and a flow along each coordinate", least),
+          "an energy book");
+  return run_build(options, [&](const codebooks::BuildOptions& guarded) { return built(plan, guarded); });
 }
 
 Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,

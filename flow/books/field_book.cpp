@@ -357,7 +357,8 @@ codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::B
     check_case(flow_case_at(plan, corner), plan.max_memory);
     check_case(flow_case_at(finer, corner), plan.max_memory);
   }
-  return FieldBuilder(plan, options).run();
+  return run_build(options,
+                   [&](const codebooks::BuildOptions& guarded) { return FieldBuilder(plan, guarded).run(); });
 }
 
 Eigen::VectorXd field_discretisation(const FlowPlan& plan, const codebooks::Codebook& book,

@@ -1,6 +1,8 @@
 #include "samara/flow/books/planned_flow.h"
 
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -43,6 +45,25 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point,
 
 std::string checkpointed_text(const FlowPlan& plan) {
   return fmt::format("{}\n# solver of flows, revision {}", plan.text, kRevision);
+}
+
+codebooks::BuildResult run_build(
+    const codebooks::BuildOptions& options,
+    const std::function<codebooks::BuildResult(const codebooks::BuildOptions& options)>& build) {
+  bool cancelled = false;
+  codebooks::BuildOptions guarded = options;
+  if (options.progress) {
+    guarded.progress = [&](const Progress& report) {
+      return !(cancelled = cancelled || !options.progress(report));
+    };
+  }
+  codebooks::BuildResult result = build(guarded);
+  result.resumable = result.resumable || cancelled;
+  if (!options.checkpoint.empty() && !options.keep_checkpoint && !result.resumable) {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+  }
+  return result;
 }
 
 std::pair<std::vector<double>, std::vector<double>> corners_of(const FlowPlan& plan) {

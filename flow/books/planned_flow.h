@@ -20,6 +20,12 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point, cons
 /// What checkpoints of a book must agree in: the plan, and the revision of the solver.
 std::string checkpointed_text(const FlowPlan& plan);
 
+/// Runs the build of a book as codebooks::build() has it: what was cancelled once stays cancelled, and the checkpoint of a
+/// build that is done is removed, unless the options keep it.
+codebooks::BuildResult run_build(
+    const codebooks::BuildOptions& options,
+    const std::function<codebooks::BuildResult(const codebooks::BuildOptions& options)>& build);
+
 /// Lower and upper corner of the plan's box.
 std::pair<std::vector<double>, std::vector<double>> corners_of(const FlowPlan& plan);
 

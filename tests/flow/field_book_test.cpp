@@ -3,6 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include <catch2/catch.hpp>
 
@@ -121,7 +123,29 @@ TEST_CASE("an energy book takes few flows, answers as they do, and goes on from 
   codebooks::Query(again.book).values(point, the_same);
   CHECK(the_same == asked);
   CHECK(again.book.certificate()->max_error == result.book.certificate()->max_error);
+  // Cancelled in a flow of the certificate.
   std::filesystem::remove(options.checkpoint);
+  options.keep_checkpoint = false;
+  std::set<std::string> flows;
+  int after = 0;
+  bool cancelled = false;
+  options.progress = [&](const Progress& report) {
+    after += cancelled ? 1 : 0;
+    if (cancelled) return true;
+    if (report.stage.starts_with("flow at")) flows.insert(report.stage);
+    cancelled = static_cast<double>(flows.size()) > result.book.build().evaluations;
+    return !cancelled;
+  };
+  const codebooks::BuildResult stopped = build_energy_book(plan, options);
+  CHECK(cancelled);
+  CHECK(after == 0);
+  CHECK_FALSE(stopped.met);
+  CHECK(stopped.resumable);
+  CHECK(std::filesystem::exists(options.checkpoint));
+  // A build that is done removes its checkpoint, unless it is to be kept.
+  options.progress = {};
+  CHECK(build_energy_book(plan, options).met);
+  CHECK_FALSE(std::filesystem::exists(options.checkpoint));
 
   plan.max_calls = 3;
   CHECK_THROWS_WITH(build_energy_book(plan), Contains("max_calls") && Contains("at least 4"));
@@ -151,6 +175,21 @@ TEST_CASE("a book does not go on from the flows of another solver, and says so")
   CHECK_THROWS_AS(build_energy_book(plan, options), NoResultError);
   CHECK_THROWS_AS(build_field_book(plan, options), NoResultError);
   std::filesystem::remove(options.checkpoint);
+}
+
+TEST_CASE("the build of a book that was cancelled once is not asked again, and may go on later") {
+  codebooks::BuildOptions options;
+  int asked = 0;
+  options.progress = [&](const Progress&) { return ++asked != 2; };
+  const codebooks::BuildResult result = run_build(options, [&](const codebooks::BuildOptions& guarded) {
+    CHECK(guarded.progress({"first flow", 0.5}));
+    CHECK_FALSE(guarded.progress({"first flow", 1.0}));
+    CHECK_FALSE(guarded.progress({"next flow", 0.0}));
+    return built().result;
+  });
+  CHECK(asked == 2);
+  CHECK(result.resumable);
+  CHECK_FALSE(built().result.resumable);
 }
 
 TEST_CASE("cells fill the box of their centres, and closed ones go on from the surface") {
@@ -235,7 +274,10 @@ TEST_CASE("what is no flow of a codebook of fields is refused") {
   few.max_calls = 4;
   few.relative = 1e-4;
   few.certificate_points = 1;
-  const codebooks::BuildResult missed = build_field_book(few);
+  codebooks::BuildOptions options;
+  options.checkpoint = std::filesystem::temp_directory_path() / "samara_field_book_test.checkpoint";
+  const codebooks::BuildResult missed = build_field_book(few, options);
   CHECK_FALSE(missed.met);
+  CHECK_FALSE(std::filesystem::exists(options.checkpoint));
   CHECK_THAT(missed.message, Contains("no more than 4 flows were allowed"));
 }
