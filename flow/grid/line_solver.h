@@ -125,21 +125,32 @@ void solve_columns(double* x, double* ratio, Index start, Index end, Index s, In
 
 /// Rows and columns of eight by eight, exchanged.
 [[gnu::always_inline]] inline void transpose(Eight (&rows)[kEight]) {
-  using Places = long long __attribute__((vector_size(64)));
-  constexpr Places kOnes[2] = {{0, 8, 2, 10, 4, 12, 6, 14}, {1, 9, 3, 11, 5, 13, 7, 15}};
-  constexpr Places kTwos[2] = {{0, 1, 8, 9, 4, 5, 12, 13}, {2, 3, 10, 11, 6, 7, 14, 15}};
-  constexpr Places kFours[2] = {{0, 1, 2, 3, 8, 9, 10, 11}, {4, 5, 6, 7, 12, 13, 14, 15}};
-  const auto exchange = [&](Index apart, const Places(&places)[2]) {
+  const auto exchange = [&](Index apart, const auto& low_halves, const auto& high_halves) {
     for (Index i = 0; i < kEight; ++i) {
       if ((i & apart) != 0) continue;
       const Eight low = rows[i], high = rows[i + apart];
-      rows[i] = __builtin_shuffle(low, high, places[0]);
-      rows[i + apart] = __builtin_shuffle(low, high, places[1]);
+      rows[i] = low_halves(low, high);
+      rows[i + apart] = high_halves(low, high);
     }
   };
-  exchange(1, kOnes);
-  exchange(2, kTwos);
-  exchange(4, kFours);
+  exchange(
+      1,
+      [](const Eight& a, const Eight& b) { return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14); },
+      [](const Eight& a, const Eight& b) {
+        return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+      });
+  exchange(
+      2,
+      [](const Eight& a, const Eight& b) { return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13); },
+      [](const Eight& a, const Eight& b) {
+        return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+      });
+  exchange(
+      4,
+      [](const Eight& a, const Eight& b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11); },
+      [](const Eight& a, const Eight& b) {
+        return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+      });
 }
 
 /// Eight rows, `lane` apart, as lines along x that are not periodic.

@@ -34,7 +34,6 @@ void relax_row(const PoissonMatrix& matrix, Index row, Index start, const double
 /// The same in the plane, by eights: the cells between are written as they were, so that nobody else may look at the row.
 void relax_row_by_eights(const PoissonMatrix& matrix, Index row, Index start, const double* b, double* x) {
   using Places = long long __attribute__((vector_size(64)));
-  constexpr Places kBefore = {7, 8, 9, 10, 11, 12, 13, 14}, kAfter = {1, 2, 3, 4, 5, 6, 7, 8};
   constexpr Places kEven = {-1, 0, -1, 0, -1, 0, -1, 0};
   const Places taken = start == 0 ? kEven : ~kEven;
   const Index n = matrix.grid.cells[0], whole = n / kEight * kEight, sy = matrix.grid.stride[1];
@@ -48,9 +47,9 @@ void relax_row_by_eights(const PoissonMatrix& matrix, Index row, Index start, co
   // Neighbours in the row by shifts: what has just been written cannot be read across its border at once.
   for (Index i = 0; i < whole; i += kEight) {
     const Eight now = load<Eight>(p + i), weight = load<Eight>(wx + i);
-    const Eight before = __builtin_shuffle(last, now, kBefore);
-    const Eight after = __builtin_shuffle(now, none + p[i + kEight], kAfter);
-    const Eight weight_after = __builtin_shuffle(weight, none + wx[i + kEight], kAfter);
+    const Eight before = __builtin_shufflevector(last, now, 7, 8, 9, 10, 11, 12, 13, 14);
+    const Eight after = __builtin_shufflevector(now, none + p[i + kEight], 1, 2, 3, 4, 5, 6, 7, 8);
+    const Eight weight_after = __builtin_shufflevector(weight, none + wx[i + kEight], 1, 2, 3, 4, 5, 6, 7, 8);
     const Eight found =
         load<Eight>(inverse + i) *
         (load<Eight>(right + i) + weight * before + weight_after * after +
