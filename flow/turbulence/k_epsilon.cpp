@@ -59,18 +59,6 @@ double wall_decay(double k, double distance, double time) {
 
 }  // namespace
 
-void decay(double& k, double& epsilon, double time) {
-  const double growth = std::log1p((Constants::C_2 - 1.0) * epsilon / k * time) / (Constants::C_2 - 1.0);
-  const double fall = std::exp(-growth);
-  k *= fall;
-  epsilon *= std::exp(-Constants::C_2 * growth);
-}
-
-void produce(double& k, double& epsilon, double growth) {
-  k *= std::exp(growth);
-  epsilon *= std::exp(Constants::C_1 * growth);
-}
-
 std::array<double, 2> stream_turbulence(double intensity, double speed, double length) {
   const double k = 1.5 * intensity * speed * intensity * speed;
   return {k, std::pow(Constants::C_mu, 0.75) * std::pow(k, 1.5) / (0.07 * length)};
@@ -228,8 +216,9 @@ void KEpsilon::advance(const FaceField& velocity, double step) {
   fill_margins(grid_, borders_, epsilon, given_epsilon_);
 }
 
-/// Cells from `first` to `end`, at most kTogether: half of the decay, production, half of the decay. With z = 1 + (C_2 - 1)
-/// eps/k dt/2 a half takes k by z^(-1/(C_2 - 1)) and eps/k by 1/z.
+/// Cells from `first` to `end`, at most kTogether: half of the decay, production, half of the decay, each exact. With z = 1 +
+/// (C_2 - 1) eps/k dt/2 a half of the decay takes k by z^(-1/(C_2 - 1)) and eps/k by 1/z; production takes k by e^(G/k dt) and
+/// eps by e^(C_1 G/k dt).
 void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
   constexpr double kFall = -1.0 / (Constants::C_2 - 1.0), kRise = Constants::C_1 - 1.0;
   const double half = 0.5 * step * (Constants::C_2 - 1.0);

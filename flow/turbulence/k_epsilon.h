@@ -24,12 +24,6 @@
 /// nu_T <= `largest_eddy_viscosity` counts where it acts, and a developed flow must not need it.
 namespace samara::flow {
 
-/// k and eps after a time without production: k = k0 (1 + (C_2 - 1) eps0 t/k0)^(-1/(C_2 - 1)), eps = eps0 (k/k0)^C_2.
-void decay(double& k, double& epsilon, double time);
-/// k and eps after production at the rate G/k for a time, `growth` = G/k dt: k e^growth, eps e^(C_1 growth), the exact
-/// solution of both equations.
-void produce(double& k, double& epsilon, double growth);
-
 /// Of a stream of intensity I = u'/U whose eddies are 7 % of a length: k = 1.5 (I U)^2, eps = C_mu^{3/4} k^{3/2}/(0.07 l).
 std::array<double, 2> stream_turbulence(double intensity, double speed, double length);
 
