@@ -12,8 +12,8 @@
 /// one thread, and sums over rows are added in the order of the rows.
 namespace samara::flow {
 
-/// Eight numbers that machines compute at once; with shorter registers they take several. What follows is inlined, so that
-/// none is ever handed over between sources that are built for different machines.
+/// Eight numbers that machines compute at once; with shorter registers they take several. What is marked below is
+/// inlined, so that none is ever handed over between sources that are built for different machines.
 using Eight = double __attribute__((vector_size(64)));
 inline constexpr Index kEight = 8;
 /// Registers of two numbers, for any machine, are too few for it: there all goes by single numbers.
@@ -41,7 +41,7 @@ template <class V>
   return a > b ? a : b;
 }
 
-inline double sum_of(const double (&lanes)[kEight]) {
+[[gnu::always_inline]] inline double sum_of(const double (&lanes)[kEight]) {
   double sum = 0.0;
   for (const double value : lanes) sum += value;
   return sum;
