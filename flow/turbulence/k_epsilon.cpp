@@ -241,6 +241,7 @@ void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
     store<V>(ratio / z, rate + i);
     store<V>(z, after + i);
   });
+  // Of what is no number the logarithm gives one; `rate` carries it on.
   for (double* const z : {before, after}) {
     take_logarithms({z, count});
     by_eights(0, end - first, [&]<class V>(Index i) { store<V>(kFall * load<V>(z + i), z + i); });

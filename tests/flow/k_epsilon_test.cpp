@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <catch2/catch.hpp>
 
@@ -101,6 +102,30 @@ TEST_CASE("energies below zero are counted, also beside walls that would cover t
     turbulence.set(1e-3, 1e-3);
     turbulence.k[c] = k;
     turbulence.epsilon[c] = epsilon;
+  }
+}
+
+TEST_CASE("energies that are 0, infinite or no numbers do not pass a step", "[flow]") {
+  const MacGrid grid(2, {11, 4, 1}, 1.0, Eigen::Vector3d::Zero());
+  const Borders borders = all_periodic();
+  const Openness open = measure_openness(grid, borders, {});
+  const FaceField still = grid.faces();
+  const double infinity = std::numeric_limits<double>::infinity(), none = std::nan("");
+  using Energies = std::array<double, 2>;
+  for (const auto& [k, epsilon] : {Energies{0.0, 1.0}, Energies{none, 1.0}, Energies{infinity, 1.0},
+                                   Energies{1.0, none}, Energies{1.0, infinity}}) {
+    for (const int i : {2, 9}) {
+      KEpsilon model(grid, borders, open, 1e-5, TurbulenceModel::k_epsilon, 10.0);
+      model.set(1.0, 1.0);
+      const auto c = static_cast<std::size_t>(grid.at(i, 2));
+      model.k[c] = k;
+      model.epsilon[c] = epsilon;
+      model.prepare(still);
+      model.advance(still, 0.1);
+      INFO("k " << k << ", epsilon " << epsilon << " at " << i << ": then " << model.k[c] << ", "
+                << model.epsilon[c]);
+      CHECK((model.not_positive() >= 1 || !std::isfinite(model.k[c]) || !std::isfinite(model.epsilon[c])));
+    }
   }
 }
 
