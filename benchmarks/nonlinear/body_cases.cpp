@@ -218,8 +218,7 @@ void run_bodies(const Options& options) {
             .name = "body3d_ar", .pattern = kAutorotation, .limits = {.end = 0.3}, .has_exact_ranks = true},
         BodySet{.name = "body3d_ar_narrow", .pattern = kAutorotation, .limits = {.end = 0.4}, .share = 0.05},
         BodySet{.name = "body3d_zz_35", .pattern = kZigzag, .share = 0.35},
-        BodySet{
-            .name = "body3d_az_046", .pattern = kAlternating, .limits = {.end = 0.46, .by_slabs = false}},
+        BodySet{.name = "body3d_az_046", .pattern = kAlternating, .limits = {.end = 0.46, .by_slabs = false}},
         BodySet{.name = "body3d_az_05", .pattern = kAlternating, .limits = {.by_slabs = false}},
         BodySet{.name = "body3d_ar_037", .pattern = kAutorotation, .limits = {.end = 0.37}},
         BodySet{.name = "body3d_ar_05", .pattern = kAutorotation}}) {
