@@ -134,7 +134,7 @@ void MultigridSolver::smooth(Level& level, int sweeps, int first_colour, bool fr
     (kHasEights ? relax_row_by_eights : relax_row)(matrix, place, start, level.b.data(), level.x.data());
   };
   // Blocks stop a row earlier with every half-sweep, and look at no rows of others, which may be ahead or behind..
-  const int together = std::max(32, 2 * halves), blocks = std::max(1, rows / together);
+  const int together = std::max(32, 2 * halves + 2), blocks = std::max(1, rows / together);
   const auto act = [&](int block) {
     const int begin = block * together, end = block + 1 == blocks ? rows : begin + together;
     for (int lead = begin; lead < end + halves - 1; ++lead) {
@@ -144,7 +144,7 @@ void MultigridSolver::smooth(Level& level, int sweeps, int first_colour, bool fr
       }
     }
   };
-  // ..and what is left lies in wedges between them.
+  // ..and what is left lies in wedges between them, which do not touch each other.
   const auto close = [&](int gap) {
     const int border = (gap + 1) * together;
     for (int half = 0; half < halves; ++half) {

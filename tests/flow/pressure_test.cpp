@@ -6,6 +6,7 @@
 #include "flow_cases.h"
 #include "samara/base/streams.h"
 #include "samara/flow/march/field_average.h"
+#include "samara/flow/pressure/multigrid.h"
 
 using namespace samara::flow;
 using namespace flow_cases;
@@ -55,6 +56,28 @@ TEST_CASE("multigrid and a direct factorisation give the same pressure about a b
     if (matrix.inverse_diagonal[c] > 0.0) difference = std::max(difference, std::abs(x[c] - y[c]));
   }
   CHECK(difference < 1e-8);
+}
+
+TEST_CASE("half-sweeps that go over the plane together have the numbers of one after the other", "[flow]") {
+  // In a layer of cells in space they go one after the other, and nothing passes through its free sides.
+  std::vector<Eigen::VectorXd> found;
+  for (const int dimensions : {2, 3}) {
+    const MacGrid grid(dimensions, {256, 128, 1}, 0.1, Eigen::Vector3d::Zero());
+    const Borders borders = stream();
+    const Openness open = measure_openness(grid, borders, {});
+    const PoissonMatrix matrix = pressure_matrix(grid, borders, open.face, open.inverse_volume);
+    Field b = random_source(matrix), x = grid.field();
+    double largest = 0.0;
+    for (const double value : b) largest = std::max(largest, std::abs(value));
+    const PressureSolve one_cycle = MultigridSolver(matrix).solve(b, x, 0.9 * largest);
+    CHECK(one_cycle.iterations == 1);
+    Eigen::VectorXd& values = found.emplace_back(grid.cell_count());
+    for (int j = 0; j < grid.cells[1]; ++j) {
+      for (int i = 0; i < grid.cells[0]; ++i)
+        values[i + Eigen::Index{grid.cells[0]} * j] = x[static_cast<std::size_t>(grid.at(i, j))];
+    }
+  }
+  CHECK((found[0] - found[1]).cwiseAbs().maxCoeff() < 1e-12 * found[1].cwiseAbs().maxCoeff());
 }
 
 TEST_CASE("multigrid takes at most 15 iterations to 1e-8, in the plane and in space", "[flow]") {
