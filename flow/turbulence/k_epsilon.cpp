@@ -83,7 +83,7 @@ KEpsilon::KEpsilon(const MacGrid& grid, const Borders& borders, const Openness& 
       transport_(grid, borders, open),
       eddy_(grid.field()),
       production_(grid.field()),
-      growth_(grid.field()),
+      straining_(grid.field()),
       wall_distance_(grid.field()),
       row_sums_(static_cast<std::size_t>(grid.cells[1] * grid.cells[2])),
       sums_(grid) {
@@ -157,13 +157,13 @@ void KEpsilon::find_production(const FaceField& velocity) {
         production_[static_cast<std::size_t>(c)] = std::sqrt(production_[static_cast<std::size_t>(c)]);
     }
     by_eights(row, end, [&]<class V>(Index c) {
-      const V production = load<V>(eddy_.data() + c) * load<V>(production_.data() + c);
-      store<V>(production, production_.data() + c);
-      store<V>(production / load<V>(k.data() + c), growth_.data() + c);
+      const V squared = load<V>(production_.data() + c);
+      store<V>(Constants::C_mu * squared, straining_.data() + c);
+      store<V>(load<V>(eddy_.data() + c) * squared, production_.data() + c);
     });
   });
   for (const Index c : open_.closed_cells)
-    production_[static_cast<std::size_t>(c)] = growth_[static_cast<std::size_t>(c)] = 0.0;
+    production_[static_cast<std::size_t>(c)] = straining_[static_cast<std::size_t>(c)] = 0.0;
 }
 
 /// Beside walls: G = tau_w u_tau/(kappa y), and what the faces lose.
@@ -217,8 +217,9 @@ void KEpsilon::advance(const FaceField& velocity, double step) {
 }
 
 /// Cells from `first` to `end`, at most kTogether: half of the decay, production, half of the decay, each exact. With z = 1 +
-/// (C_2 - 1) eps/k dt/2 a half of the decay takes k by z^(-1/(C_2 - 1)) and eps/k by 1/z; production takes k by e^(G/k dt) and
-/// eps by e^(C_1 G/k dt).
+/// (C_2 - 1) eps/k dt/2 a half of the decay takes k by z^(-1/(C_2 - 1)) and eps/k by 1/z. Production of one strain, G/k =
+/// C_mu |S|^2 k/eps, takes k by w^(1/(C_1 - 1)) and eps/k by w = 1 + (C_1 - 1) G/k dt: eps grows faster than k, so that
+/// little energy in large eddies does not grow without bounds in a step.
 void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
   constexpr double kFall = -1.0 / (Constants::C_2 - 1.0), kRise = Constants::C_1 - 1.0;
   const double half = 0.5 * step * (Constants::C_2 - 1.0);
@@ -228,14 +229,16 @@ void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
   double* const of_epsilon = epsilon.data() + first;
   by_eights(0, end - first, [&]<class V>(Index i) {
     const V ratio = load<V>(of_epsilon + i) / load<V>(of_k + i);
-    const V growth = step * load<V>(growth_.data() + first + i);
+    const V z = 1.0 + half * ratio;
+    const V rise = 1.0 + kRise * step * load<V>(straining_.data() + first + i) * z / ratio;
     store<V>(ratio, rate + i);
-    store<V>(1.0 + half * ratio, before + i);
-    store<V>(growth, grown + i);
-    store<V>(kRise * growth, risen + i);
+    store<V>(z, before + i);
+    store<V>(rise, grown + i);
+    store<V>(rise, risen + i);
   });
+  take_logarithms({grown, count});
+  by_eights(0, end - first, [&]<class V>(Index i) { store<V>(1.0 / kRise * load<V>(grown + i), grown + i); });
   take_exponentials({grown, count});
-  take_exponentials({risen, count});
   by_eights(0, end - first, [&]<class V>(Index i) {
     const V ratio = load<V>(rate + i) / load<V>(before + i) * load<V>(risen + i), z = 1.0 + half * ratio;
     store<V>(ratio / z, rate + i);
@@ -254,7 +257,7 @@ void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
     const V energy = (decayed + added) * load<V>(after + i), dissipation = energy * load<V>(rate + i);
     const V inverse = load<V>(open_.inverse_cell.data() + first + i);
     const V in_fluid = load<V>(wall_distance_.data() + first + i) > 0.0 ? none : (inverse > 0.0 ? one : none);
-    // Where the wall gives eps the growth may be without bounds, and 0 of it is no number.
+    // Where the wall gives eps the growth may be beyond all numbers, and 0 of it is none.
     const V produced = in_fluid > 0.0 ? added / inverse : none;
     const V dissipated = in_fluid > 0.0 ? (old + added - energy) / inverse : none;
     store<V>(load<V>(sums.produced) + produced, sums.produced);

@@ -20,7 +20,7 @@
 ///   |S|^2 = 2 S:S, |W|^2 = 2 W:W
 ///
 /// Each part is solved so that it keeps k and eps positive: transport within bounds (monotone_transport.h), production
-/// only adds, and decay is exact; production acts between two halves of the decay. Nothing is clipped; the guard
+/// and decay are exact, one between two halves of the other: homogeneous turbulence is of second order in the step. Nothing is clipped; the guard
 /// nu_T <= `largest_eddy_viscosity` counts where it acts, and a developed flow must not need it.
 namespace samara::flow {
 
@@ -87,7 +87,7 @@ class KEpsilon {
   double largest_eddy_viscosity_;
   MonotoneTransport transport_;
   Field eddy_, production_;
-  Field growth_;         ///< G/k
+  Field straining_;      ///< C_mu |S|^2 or C_mu |S| |W|
   Field wall_distance_;  ///< of cells beside walls; 0 elsewhere
   WallConductance conductance_;
   BodyPose pose_;  ///< at rest of held bodies
