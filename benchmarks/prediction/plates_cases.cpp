@@ -30,8 +30,9 @@ using samara::identification::FitResult;
 
 constexpr std::size_t kDrops = 8;
 constexpr int kSplits = 3;
-// Frames from moment to moment: of those that are asked about and of those of the fit; and where the body is not asked.
-constexpr int kAsked = 3, kFitted = 5, kDense = 2;
+// Frames from moment to moment: of those that are asked about and of those of the fit; where the body is not asked; and
+// there, where drops are few.
+constexpr int kAsked = 3, kFitted = 5, kDense = 2, kEvery = 1;
 
 FitOptions options_of_fit() {
   FitOptions options = identification::settling_options();
@@ -106,7 +107,7 @@ std::vector<AskedMoment> of_flagged(const std::vector<Capture>& flagged, const P
     // A window across a gap would teach a later place.
     const double longest =
         (kind.frames - 1 + kind.ahead + 0.5) * identification::median_interval(flagged[k].times);
-    for (const Window& window : identification::cut(flagged[k], kind.frames, kind.ahead, kDense)) {
+    for (const Window& window : identification::cut(flagged[k], kind.frames, kind.ahead, kEvery)) {
       const Eigen::MatrixX3d all = positions.middleRows(window.first, kind.frames + kind.ahead);
       const Eigen::MatrixX3d steps = all.bottomRows(all.rows() - 1) - all.topRows(all.rows() - 1);
       if (!(steps.rowwise().norm().maxCoeff() < kJump) || window.next_time > longest) continue;
@@ -151,7 +152,7 @@ SplitScores one_split(const std::string& test_case, const PlateDrops& of_kind, c
                                      windows_of(drops, halves[half], cut_every(kFitted))))
       training.push_back(std::move(moment));
   }
-  for (const Window& window : windows_of(drops, known, cut_every(kDense)))
+  for (const Window& window : windows_of(drops, known, cut_every(of_kind.flagged.empty() ? kDense : kEvery)))
     training.push_back(moment_of(window, number_of(window), {}, {}, net_weight(kind)));
   for (AskedMoment& moment : of_flagged(of_kind.flagged, kind, static_cast<int>(drops.size())))
     training.push_back(std::move(moment));

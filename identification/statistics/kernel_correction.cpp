@@ -115,6 +115,26 @@ Solution solve_ridge(Eigen::MatrixXd kernel, double ridge, const Eigen::MatrixXd
   return solution;
 }
 
+/// The same with fewer centres than moments: c with the least |y - K c|^2 + r c . K_mm c, K the kernel between moments
+/// and centres, K_mm that of the centres. With all moments as centres these are the coefficients above.
+Solution solve_by_centres(const Eigen::MatrixXd& kernel, const std::vector<Eigen::Index>& centres,
+                          double ridge, const Eigen::MatrixXd& values,
+                          const std::vector<std::vector<Eigen::Index>>& parts) {
+  constexpr double kRoundOff = 1e-9;  // of the mean diagonal: centres may lie close together
+  const Eigen::MatrixXd of_centres = kernel(centres, Eigen::all);
+  const Eigen::MatrixXd right = kernel.transpose() * values;
+  Eigen::MatrixXd normal = kernel.transpose() * kernel + ridge * of_centres;
+  normal.diagonal().array() += kRoundOff * normal.diagonal().mean();
+  Solution solution{.all = normal.llt().solve(right), .foretold = values};
+  for (const std::vector<Eigen::Index>& part : parts) {
+    const Eigen::MatrixXd of_part = kernel(part, Eigen::all);
+    const Eigen::MatrixXd left = normal - of_part.transpose() * of_part;
+    solution.without.push_back(left.llt().solve(right - of_part.transpose() * values(part, Eigen::all)));
+    solution.foretold(part, Eigen::all) = of_part * solution.without.back();
+  }
+  return solution;
+}
+
 }  // namespace
 
 /// A correction that is being fitted, and what it is fitted to.
@@ -122,12 +142,14 @@ struct KernelCorrection::Steps {
   KernelCorrection correction = {};
   std::vector<std::vector<Eigen::Index>> members = {};  ///< moments of each part
   Eigen::MatrixXd even = {}, odd = {};                  ///< values
-  Eigen::VectorXd drawn_in = {};                        ///< of each moment, what far values are multiplied by
-  Eigen::MatrixXd even_squares = {};                    ///< of distances
-  double uncorrected = 0.0;                             ///< sum of distances from 0
+  std::vector<Eigen::Index> centres = {};               ///< moments that are centres, too
+  Eigen::MatrixXd odd_rows = {};      ///< odd features of all moments, in units of their deviation
+  Eigen::VectorXd drawn_in = {};      ///< of each moment, what far values are multiplied by
+  Eigen::MatrixXd even_squares = {};  ///< of distances from moments to centres
+  double uncorrected = 0.0;           ///< sum of distances from 0
 
   static Steps begin(std::span<const Mirrored> features, std::span<const Mirrored> values,
-                     std::span<const std::size_t> parts, Eigen::Index most);
+                     std::span<const std::size_t> parts, Eigen::Index most, Eigen::Index most_centres);
   void set_centres(const Eigen::MatrixXd& even_features, const Eigen::MatrixXd& odd_features);
   /// Whether parts could be told from each other, and features too.
   bool can_choose() const;
@@ -137,8 +159,8 @@ struct KernelCorrection::Steps {
 
 KernelCorrection::Steps KernelCorrection::Steps::begin(std::span<const Mirrored> features,
                                                        std::span<const Mirrored> values,
-                                                       std::span<const std::size_t> parts,
-                                                       Eigen::Index most) {
+                                                       std::span<const std::size_t> parts, Eigen::Index most,
+                                                       Eigen::Index most_centres) {
   Steps steps;
   const std::vector<std::size_t> chosen = chosen_moments(features, parts, most);
   steps.correction.even_values_ = values.front().even.size();
@@ -146,6 +168,8 @@ KernelCorrection::Steps KernelCorrection::Steps::begin(std::span<const Mirrored>
   steps.members.resize(*std::ranges::max_element(parts) + 1);
   for (std::size_t k = 0; k < chosen.size(); ++k)
     steps.members[parts[chosen[k]]].push_back(static_cast<Eigen::Index>(k));
+  const Eigen::Index count = std::ssize(chosen), centres = std::min(count, most_centres);
+  for (Eigen::Index k = 0; k < centres; ++k) steps.centres.push_back(k * count / centres);
   steps.set_centres(rows_of(features, chosen, &Mirrored::even), rows_of(features, chosen, &Mirrored::odd));
   steps.even = rows_of(values, chosen, &Mirrored::even);
   steps.odd = rows_of(values, chosen, &Mirrored::odd);
@@ -154,8 +178,6 @@ KernelCorrection::Steps KernelCorrection::Steps::begin(std::span<const Mirrored>
   const double farthest = kFarthestValue * median({distances.begin(), distances.end()});
   steps.drawn_in =
       distances.unaryExpr([&](double distance) { return distance > farthest ? farthest / distance : 1.0; });
-  const Eigen::MatrixXd& centres = steps.correction.centres_.even;
-  steps.even_squares = square_distances(centres, centres);
   steps.uncorrected = distances.sum();
   return steps;
 }
@@ -178,9 +200,11 @@ void KernelCorrection::Steps::set_centres(const Eigen::MatrixXd& even_features,
   for (Eigen::Index k = 0; k < correction.middle_.size(); ++k)
     count_or_silence(correction.even_width_[k], correction.middle_[k]);
   for (double& width : correction.odd_width_) count_or_silence(width, 0.0);
-  correction.centres_.even =
+  const Eigen::MatrixXd even_rows =
       (even_features.rowwise() - correction.middle_) * correction.even_width_.cwiseInverse().asDiagonal();
-  correction.centres_.odd = odd_features * correction.odd_width_.cwiseInverse().asDiagonal();
+  odd_rows = odd_features * correction.odd_width_.cwiseInverse().asDiagonal();
+  correction.centres_ = {even_rows(centres, Eigen::all), odd_rows(centres, Eigen::all)};
+  even_squares = square_distances(even_rows, correction.centres_.even);
 }
 
 bool KernelCorrection::Steps::can_choose() const {
@@ -189,10 +213,14 @@ bool KernelCorrection::Steps::can_choose() const {
 }
 
 double KernelCorrection::Steps::solve_with(double length, double ridge) {
-  const Eigen::MatrixXd& centres = correction.centres_.odd;
-  const Kernels kernels = kernels_of(even_squares, centres, centres, correction.count_, length);
-  Solution of_even = solve_ridge(kernels.even, ridge, drawn_in.asDiagonal() * even, members);
-  Solution of_odd = solve_ridge(kernels.odd, ridge, drawn_in.asDiagonal() * odd, members);
+  const Kernels kernels =
+      kernels_of(even_squares, odd_rows, correction.centres_.odd, correction.count_, length);
+  const auto solve = [&](const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& values) {
+    return kernel.rows() == kernel.cols() ? solve_ridge(kernel, ridge, values, members)
+                                          : solve_by_centres(kernel, centres, ridge, values, members);
+  };
+  Solution of_even = solve(kernels.even, drawn_in.asDiagonal() * even);
+  Solution of_odd = solve(kernels.odd, drawn_in.asDiagonal() * odd);
   correction.length_ = length;
   correction.ridge_ = ridge;
   correction.coefficients_ = {std::move(of_even.all), std::move(of_odd.all)};
@@ -208,7 +236,7 @@ KernelCorrection KernelCorrection::fit(std::span<const Mirrored> features, std::
                                        std::span<const std::size_t> parts) {
   check_mirrored(features, values, parts);
   if (features.empty()) return {};
-  Steps few = Steps::begin(features, values, parts, kChoosing);
+  Steps few = Steps::begin(features, values, parts, kChoosing, kChoosing);
   KernelCorrection none = few.correction;
   if (!few.can_choose()) return none;
   double least = few.uncorrected, length = 0.0, ridge = 0.0;
@@ -222,7 +250,9 @@ KernelCorrection KernelCorrection::fit(std::span<const Mirrored> features, std::
   for (const double tried : kLengths) attempt(tried, kFirstRidge);
   if (length == 0.0) return none;
   for (const double tried : kOtherRidges) attempt(length, tried);
-  if (std::ssize(features) > kChoosing) few = Steps::begin(features, values, parts, kMost);
+  const Eigen::Index count = std::ssize(features);
+  if (count > kChoosing)
+    few = Steps::begin(features, values, parts, kMost, count > kExact ? kCentres : kExact);
   return few.solve_with(length, ridge) < few.uncorrected ? few.correction : none;
 }
 

@@ -23,9 +23,13 @@ namespace samara::identification {
 
 class KernelCorrection {
  public:
-  /// So many moments at most: their number cubed is what a fit costs. Of more, every so many in the order of
-  /// parts and features are taken; length and ridge are chosen with fewer.
-  static constexpr Eigen::Index kMost = 1200, kChoosing = 600;
+  /// So many moments at most. Of more, every so many in the order of parts and features are taken; length and ridge are
+  /// chosen with fewer.
+  static constexpr Eigen::Index kMost = 4000, kChoosing = 600;
+  /// Of more moments than the first number, whose cube is what a fit costs, so many are centres m_j: every so many.
+  /// Their coefficients have the least sum of squares over all moments with the ridge's penalty (regression on a
+  /// subset; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, section 8.3.1).
+  static constexpr Eigen::Index kExact = 1200, kCentres = 600;
 
   /// @param features, values of each moment, as many for all; values farther than four times the median distance
   ///   from 0 count as being there
