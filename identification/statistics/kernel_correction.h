@@ -29,7 +29,7 @@ class KernelCorrection {
   /// Of more moments than the first number, whose cube is what a fit costs, so many are centres m_j: every so many.
   /// Their coefficients have the least sum of squares over all moments with the ridge's penalty (regression on a
   /// subset; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, section 8.3.1).
-  static constexpr Eigen::Index kExact = 1200, kCentres = 600;
+  static constexpr Eigen::Index kExact = 2000, kCentres = 600;
 
   /// @param features, values of each moment, as many for all; values farther than four times the median distance
   ///   from 0 count as being there
