@@ -106,7 +106,7 @@ std::vector<AskedMoment> of_flagged(const std::vector<Capture>& flagged, const P
     const Eigen::MatrixX3d positions = identification::positions_of(flagged[k]);
     // A window across a gap would teach a later place.
     const double longest =
-        (kind.frames - 1 + kind.ahead + 0.5) * identification::median_interval(flagged[k].times);
+        (kind.frames - 1 + kind.ahead + 0.5) * samara::identification::median_interval(flagged[k].times);
     for (const Window& window : identification::cut(flagged[k], kind.frames, kind.ahead, kEvery)) {
       const Eigen::MatrixX3d all = positions.middleRows(window.first, kind.frames + kind.ahead);
       const Eigen::MatrixX3d steps = all.bottomRows(all.rows() - 1) - all.topRows(all.rows() - 1);
