@@ -188,7 +188,8 @@ CleaningSteps read_cleaning(const TomlTable& clean) {
       {"frame_grid", "before_impact", "inside", "outliers", "bandwidth", "window", "periods", "longest_gap"});
   const std::string bandwidth = clean.renamed("bandwidth", "window");
   CleaningSteps steps;
-  if (clean.is_string("frame_grid")) steps.frame_period = clean.quantity("frame_grid", "s");
+  if (clean.has("frame_grid") && !clean.is_boolean("frame_grid"))
+    steps.frame_period = clean.quantity("frame_grid", "s");
   steps.frame_grid = steps.frame_period || clean.optional_boolean("frame_grid").value_or(false);
   steps.impact = clean.optional_quantity("before_impact", "m/s");
   steps.outliers = clean.optional_number("outliers");

@@ -139,6 +139,24 @@ TEST_CASE("captures are chosen by labels, by their length, and end where they le
   CHECK_THROWS_WITH(ids("where = { jumps = \"< 2\" }\n"), Catch::Contains("has no column \"jumps\""));
 }
 
+TEST_CASE("a frame period is a quantity like others, and one of another camera is refused") {
+  const TestFiles files;
+  std::string table = "t[s],z[m]\n";
+  for (int k = 0; k < 20; ++k) table += fmt::format("{:.3f},{}\n", 6.932e-3 * k, 1.0 - 0.02 * k);
+  files.put("ball.csv", table);
+  const auto of = [&](const std::string& period) {
+    return files.put("ball.toml", "file = \"ball.csv\"\n[clean]\nframe_grid = " + period + "\n");
+  };
+  for (const char* period : {"\"6.932 ms\"", "0.006932"}) {
+    const Capture ball = read_captures(of(period)).front();
+    CHECK(ball.times[19] - ball.times[0] == Approx(19 * 6.932e-3).epsilon(1e-12));
+  }
+  for (const auto& [period, words] : {std::pair{"\"6.932 s\"", "a frame period of 6932 ms was given"},
+                                      {"-0.007", "more than 0 was expected"},
+                                      {"[1]", "expected a number, or a string with a unit"}})
+    CHECK_THAT(reading_error(of(period)), Catch::Contains(words));
+}
+
 TEST_CASE("pieces between long gaps belong to one motion") {
   const TestFiles files;
   std::string table = "t[s],z[m]\n";
