@@ -11,7 +11,6 @@
 #include "bound.h"
 #include "cases.h"
 #include "identification/falling_paper.h"
-#include "samara/identification/fit/fit.h"
 #include "scored_split.h"
 
 namespace samara::benchmarks::prediction {
@@ -21,7 +20,6 @@ namespace {
 using identification::Window;
 using samara::identification::Capture;
 using samara::identification::FitOptions;
-using samara::identification::FitResult;
 
 constexpr std::size_t kDrops = 20;
 constexpr int kSplits = 5;
@@ -53,23 +51,13 @@ class Drops {
   std::map<std::string, int> numbers_;
 };
 
-/// Coefficients of a fit of every second window: more of them move these less than other drops do.
-identification::Coefficients coefficients_of(const samara::models::TrajectoryFamily& family,
-                                             const FitOptions& options, const std::vector<Window>& windows) {
-  std::vector<Capture> fitted;
-  for (std::size_t k = 0; k < windows.size(); k += 2) fitted.push_back(windows[k].capture);
-  const FitResult result = samara::identification::fit(family, fitted, options);
-  fmt::print(stderr, "  {} windows fitted in {:.1f} s\n", fitted.size(), result.seconds);
-  return identification::values_of(result);
-}
-
-/// Windows predicted by a fit of others.
+/// Windows predicted by a fit of others, of every second one: more of them move its coefficients less than other drops do.
 std::vector<AskedMoment> asked(const std::vector<Window>& others, const std::vector<Window>& left_out,
                                Drops& drops) {
   const auto family = identification::paper_family();
   const FitOptions options = options_of_fit();
-  const auto predicted =
-      identification::predict_unseen(*family, options, coefficients_of(*family, options, others), left_out);
+  const auto predicted = identification::predict_unseen(
+      *family, options, coefficients_of(*family, options, others, 2), left_out);
   fmt::print(stderr, "  {} windows predicted in {:.1f} s\n", left_out.size(), predicted.fit.seconds);
   std::vector<AskedMoment> moments;
   for (std::size_t k = 0; k < left_out.size(); ++k) {
@@ -140,7 +128,7 @@ void bound_of(const std::string& shape, const std::string& plural, const std::fi
   const FitOptions options = options_of_fit();
   Drops drops;
   Bound bound{.family = family.get(), .options = options};
-  bound.coefficients = coefficients_of(*family, options, split(0).fitted);
+  bound.coefficients = coefficients_of(*family, options, split(0).fitted, 2);
   bound.averaged = options.compared.averaged_frames;
   bound.noise = noise_of(all, bound.averaged);
   bound.moment_of = [&](const Window& window, const Eigen::RowVectorXd& model) {

@@ -13,7 +13,6 @@
 #include "bound.h"
 #include "cases.h"
 #include "identification/settling_plates.h"
-#include "samara/identification/fit/fit.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/pgd/tensors/random.h"
 #include "scored_split.h"
@@ -26,7 +25,6 @@ using identification::PlateKind;
 using identification::Window;
 using samara::identification::Capture;
 using samara::identification::FitOptions;
-using samara::identification::FitResult;
 
 constexpr std::size_t kDrops = 8;
 constexpr int kSplits = 3;
@@ -63,23 +61,13 @@ double net_weight(const PlateKind& kind) {
   return samara::identification::kStandardG * (1.0 - identification::kWater / kind.density);
 }
 
-/// Coefficients of a fit of every third window.
-identification::Coefficients coefficients_of(const samara::models::TrajectoryFamily& family,
-                                             const FitOptions& options, const std::vector<Window>& windows) {
-  std::vector<Capture> fitted;
-  for (std::size_t k = 0; k < windows.size(); k += 3) fitted.push_back(windows[k].capture);
-  const FitResult result = samara::identification::fit(family, fitted, options);
-  fmt::print(stderr, "  {} windows fitted in {:.1f} s\n", fitted.size(), result.seconds);
-  return identification::values_of(result);
-}
-
-/// Windows predicted by a fit of others.
+/// Windows predicted by a fit of every third one of others.
 std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>& others,
                                const std::vector<Window>& left_out) {
   const auto family = identification::plate_family(kind);
   const FitOptions options = options_of_fit();
-  const auto predicted =
-      identification::predict_unseen(*family, options, coefficients_of(*family, options, others), left_out);
+  const auto predicted = identification::predict_unseen(
+      *family, options, coefficients_of(*family, options, others, 3), left_out);
   fmt::print(stderr, "  {} windows predicted in {:.1f} s\n", left_out.size(), predicted.fit.seconds);
   std::vector<AskedMoment> moments;
   for (std::size_t k = 0; k < left_out.size(); ++k)
@@ -175,7 +163,7 @@ void bound_of(const std::string& name, const std::vector<Capture>& drops, const 
   };
   const auto family = identification::plate_family(kind);
   Bound bound{.family = family.get(), .options = options_of_fit(), .noise = noise_of(drops)};
-  bound.coefficients = coefficients_of(*family, bound.options, windows(of_fit, 0));
+  bound.coefficients = coefficients_of(*family, bound.options, windows(of_fit, 0), 3);
   bound.moment_of = [&](const Window& window, const Eigen::RowVectorXd& model) {
     return moment_of(window, number_of(window), {}, model, net_weight(kind));
   };

@@ -7,6 +7,7 @@
 
 #include "cases.h"
 #include "identification/real_data.h"
+#include "samara/identification/fit/fit.h"
 
 namespace samara::benchmarks::prediction {
 
@@ -25,6 +26,17 @@ AskedMoment moment_of(const identification::Window& window, int cluster, const E
                      .next = window.next},
           .time = window.next_time,
           .model = model.allFinite() ? model : Eigen::RowVectorXd()};
+}
+
+identification::Coefficients coefficients_of(const samara::models::TrajectoryFamily& family,
+                                             const samara::identification::FitOptions& options,
+                                             const std::vector<identification::Window>& windows,
+                                             std::size_t stride) {
+  std::vector<samara::identification::Capture> fitted;
+  for (std::size_t k = 0; k < windows.size(); k += stride) fitted.push_back(windows[k].capture);
+  const auto result = samara::identification::fit(family, fitted, options);
+  fmt::print(stderr, "  {} windows fitted in {:.1f} s\n", fitted.size(), result.seconds);
+  return identification::values_of(result);
 }
 
 namespace {

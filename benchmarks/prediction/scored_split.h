@@ -22,6 +22,12 @@ AskedMoment moment_of(const identification::Window& window, int cluster, const E
                       const Eigen::RowVectorXd& model = {},
                       double net_weight = samara::identification::kStandardG);
 
+/// Of a fit of windows, each `stride`-th from the first on.
+identification::Coefficients coefficients_of(const samara::models::TrajectoryFamily& family,
+                                             const samara::identification::FitOptions& options,
+                                             const std::vector<identification::Window>& windows,
+                                             std::size_t stride);
+
 /// Positions in space, the last component up.
 inline const Components kInSpace = {.level = {0, 1}};
 
