@@ -13,6 +13,7 @@
 #include "samara/codebooks/file/save.h"
 #include "samara/flow/books/energy_book.h"
 #include "samara/flow/books/field_book.h"
+#include "samara/flow/books/planned_flow.h"
 #include "samara/flow/files/flow_file.h"
 #include "samara/flow/files/flow_plan.h"
 #include "samara/io/file_lock.h"
@@ -74,7 +75,11 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
   options.progress = progress_line();
   options.warning = [](const std::string& sentence) { warn(sentence); };
   std::error_code ignored;
-  if (arguments.fresh) fs::remove(options.checkpoint, ignored);
+  const auto forget_flows = [&] {
+    fs::remove(options.checkpoint, ignored);
+    fs::remove(flow::finer_checkpoint(options.checkpoint), ignored);
+  };
+  if (arguments.fresh) forget_flows();
   const auto interrupted = [&] {
     warn(fmt::format("interrupted; {} keeps the flows that were found: the same line goes on from there",
                      options.checkpoint.string()));
@@ -86,9 +91,8 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     if (is_interrupted()) return interrupted();
     codebooks::save(result.book, arguments.output);
     if (!arguments.json) print(to_table(*result.book.certificate(), result.book));
-    const Eigen::VectorXd change = plan.of_fields
-                                       ? flow::field_discretisation(plan, result.book, options.progress)
-                                       : flow::discretisation(plan, result.book, options.progress);
+    const Eigen::VectorXd change = plan.of_fields ? flow::field_discretisation(plan, result.book, options)
+                                                  : flow::discretisation(plan, result.book, options);
     clear_progress();
     codebooks::save(flow::with_discretisation(result.book, change), arguments.output);
     std::string text = fmt::format(
@@ -109,7 +113,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     } else {
       print(text);
     }
-    if (!result.resumable) fs::remove(options.checkpoint, ignored);
+    if (!result.resumable) forget_flows();
     if (result.met) return kDone;
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
     return kToleranceMissed;

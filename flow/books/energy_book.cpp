@@ -128,20 +128,34 @@ Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& po
 
 namespace {
 
-codebooks::BuildResult built(const FlowPlan& plan, const codebooks::BuildOptions& options) {
-  const codebooks::Plan book_plan = energy_plan(plan);
-  const auto begin = std::chrono::steady_clock::now();
+/// The flows of the plan, of which none is solved twice.
+codebooks::CallMemory flow_calls(const FlowPlan& plan, const codebooks::BuildOptions& options) {
   // A command is told what is fixed as well: the angle, then the Reynolds number.
-  const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
+  const auto function = [plan, progress = options.progress](const Eigen::MatrixXd& points,
+                                                            Eigen::MatrixXd& values) {
     for (Eigen::Index j = 0; j < points.cols(); ++j) {
       std::vector<double> point;
       for (const codebooks::BoxEntry& entry : plan.box)
         point.push_back(points(entry.name == "angle_of_attack" ? 0 : 1, j));
-      values.col(j) = solve_energy(plan, point, options.progress);
+      values.col(j) = solve_energy(plan, point, progress);
     }
   };
-  codebooks::CallMemory calls =
-      codebooks::calls_of(book_plan, codebooks::command_source(book_plan, function), options);
+  const codebooks::Plan book_plan = energy_plan(plan);
+  return codebooks::calls_of(book_plan, codebooks::command_source(book_plan, function), options);
+}
+
+/// @throws NoResultError if a flow is not found
+Eigen::MatrixXd solved(codebooks::CallMemory& calls, const Eigen::MatrixXd& points) {
+  codebooks::CalledAnswers answers = calls(points, {});
+  calls.save();
+  if (!answers.failure.empty()) throw NoResultError(answers.failure);
+  return std::move(answers.values);
+}
+
+codebooks::BuildResult built(const FlowPlan& plan, const codebooks::BuildOptions& options) {
+  const codebooks::Plan book_plan = energy_plan(plan);
+  const auto begin = std::chrono::steady_clock::now();
+  codebooks::CallMemory calls = flow_calls(plan, options);
   const std::vector<pgd::OutputLabel>& outputs = calls.source().outputs;
 
   LejaGrid grid(plan.box.size());
@@ -149,10 +163,7 @@ codebooks::BuildResult built(const FlowPlan& plan, const codebooks::BuildOptions
     Eigen::VectorXd point(static_cast<Eigen::Index>(unit.size()));
     for (std::size_t k = 0; k < unit.size(); ++k)
       point[static_cast<Eigen::Index>(k)] = in_interval(plan.box[k].lower, plan.box[k].upper, unit[k]);
-    const codebooks::CalledAnswers answer = calls(point, {});
-    calls.save();
-    if (!answer.failure.empty()) throw NoResultError(answer.failure);
-    return answer.values;
+    return solved(calls, point);
   };
   const auto apart = [&](const Eigen::VectorXd& foretold, const Eigen::VectorXd& found) {
     return (foretold - found).cwiseAbs().cwiseQuotient(scales_of(grid, outputs)).maxCoeff();
@@ -200,19 +211,17 @@ codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::
 }
 
 Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
-                               const ProgressCallback& progress) {
-  FlowPlan finer = plan;
-  finer.flow.cells_per_length *= 2;
-  codebooks::Query query(book);
+                               const codebooks::BuildOptions& options) {
+  codebooks::BuildOptions finer_options = options;
+  finer_options.checkpoint = finer_checkpoint(options.checkpoint);
+  codebooks::CallMemory finer_calls = flow_calls(finer_plan(plan), finer_options);
   const auto [lower, upper] = corners_of(plan);
-  Eigen::MatrixXd coarse(book.output_count(), 2), fine(book.output_count(), 2);
-  for (const int end : {0, 1}) {
-    const std::vector<double>& corner = end == 0 ? lower : upper;
-    Eigen::VectorXd values(book.output_count());
-    query.values(corner, values);
-    coarse.col(end) = values;
-    fine.col(end) = solve_energy(finer, corner, progress);
-  }
+  Eigen::MatrixXd corners(static_cast<Eigen::Index>(lower.size()), 2);
+  for (std::size_t k = 0; k < lower.size(); ++k)
+    corners.row(static_cast<Eigen::Index>(k)) << lower[k], upper[k];
+  const Eigen::MatrixXd fine = solved(finer_calls, corners);
+  Eigen::MatrixXd coarse(book.output_count(), 2);
+  codebooks::Query(book).batch(corners, coarse);
   Eigen::VectorXd change(book.output_count());
   for (Eigen::Index o = 0; o < change.size(); ++o) {
     const double range = std::abs(coarse(o, 0) - coarse(o, 1));

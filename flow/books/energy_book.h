@@ -34,8 +34,10 @@ codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::
 
 /// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points: the
 /// largest over both ends of the box.
+/// @param options as of build_energy_book(); these flows are kept in finer_checkpoint(), which stays
+/// @throws NoResultError if one of these flows is not found
 Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
-                               const ProgressCallback& progress);
+                               const codebooks::BuildOptions& options);
 
 /// The same codebook, whose build record says so in words: the certificate, which is of one grid, stays as it is.
 codebooks::Codebook with_discretisation(const codebooks::Codebook& book, const Eigen::VectorXd& change);

@@ -108,12 +108,20 @@ class FieldBuilder {
     book = book.with_mesh(cell_mesh(grid_of(plan_.flow)));
     codebooks::Certificate certificate = certify(book);
     certificate.met = certificate.met && growth_.status == Termination::converged;
-    calls_.save();
     const std::string message = fmt::format(
         "{}; {:.0f} % of all places are within {:.3g} at {} points, tolerance {:.3g}", record.message,
         100.0 * kShareOfPlaces, certificate.max_error, certificate.points, certificate.tolerance);
     const bool met = certificate.met;
     return {book.with_certificate(std::move(certificate)), met, message, false};
+  }
+
+  /// outputs x nodes. @throws NoResultError where there is no flow
+  Eigen::MatrixXd fields_at(const std::vector<double>& point) {
+    const Eigen::Map<const Eigen::VectorXd> column(point.data(), static_cast<Eigen::Index>(point.size()));
+    const codebooks::CalledAnswers answer = calls_(column, {nodes_.begin(), nodes_.end()});
+    calls_.save();
+    if (!answer.failure.empty()) throw NoResultError(answer.failure);
+    return answer.values.reshaped(std::ssize(outputs_), nodes_.size());
   }
 
  private:
@@ -142,17 +150,6 @@ class FieldBuilder {
       return answers;
     };
     return source;
-  }
-
-  /// outputs x nodes. @throws NoResultError where there is no flow
-  Eigen::MatrixXd fields_at(const std::vector<double>& point) {
-    const Eigen::Map<const Eigen::VectorXd> column(point.data(), static_cast<Eigen::Index>(point.size()));
-    const codebooks::CalledAnswers answer = calls_(column, {nodes_.begin(), nodes_.end()});
-    if (!answer.failure.empty()) {
-      calls_.save();
-      throw NoResultError(answer.failure);
-    }
-    return answer.values.reshaped(std::ssize(outputs_), nodes_.size());
   }
 
   std::vector<double> in_box(const std::vector<double>& unit) const {
@@ -350,8 +347,7 @@ codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::B
           fmt::format("at least {}, the first grid and a flow along each coordinate", least),
           "a book of fields");
   // With twice the cells, too, which field_discretisation() will ask for: after hours it would be late to say so.
-  FlowPlan finer = plan;
-  finer.flow.cells_per_length *= 2;
+  const FlowPlan finer = finer_plan(plan);
   const auto [lower, upper] = corners_of(plan);
   for (const auto& corner : {lower, upper}) {
     check_case(flow_case_at(plan, corner), plan.max_memory);
@@ -362,9 +358,11 @@ codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::B
 }
 
 Eigen::VectorXd field_discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
-                                     const ProgressCallback& progress) {
-  FlowPlan finer = plan;
-  finer.flow.cells_per_length *= 2;
+                                     const codebooks::BuildOptions& options) {
+  const FlowPlan finer = finer_plan(plan);
+  codebooks::BuildOptions finer_options = options;
+  finer_options.checkpoint = finer_checkpoint(options.checkpoint);
+  FieldBuilder finer_flows(finer, finer_options);
   const MacGrid coarse_grid = grid_of(plan.flow), fine_grid = grid_of(finer.flow);
   const Eigen::Index nodes = coarse_grid.cell_count();
   codebooks::Query query(book);
@@ -377,7 +375,7 @@ Eigen::VectorXd field_discretisation(const FlowPlan& plan, const codebooks::Code
       asked.row(static_cast<Eigen::Index>(k) + 1).setConstant(corner[k]);
     coarse.emplace_back(book.output_count(), nodes);
     query.batch(asked, coarse.back());
-    const Eigen::MatrixXd found = fields_of(solve_at(finer, corner, progress), flow_case_at(finer, corner));
+    const Eigen::MatrixXd found = finer_flows.fields_at(corner);
     Eigen::MatrixXd& mean = fine.emplace_back(found.rows(), nodes);
     for (Eigen::Index o = 0; o < found.rows(); ++o)
       mean.row(o) = coarsened(coarse_grid, fine_grid, found.row(o).transpose()).transpose();

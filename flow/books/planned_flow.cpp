@@ -43,6 +43,17 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point,
   return result;
 }
 
+FlowPlan finer_plan(const FlowPlan& plan) {
+  FlowPlan finer = plan;
+  finer.flow.cells_per_length *= 2;
+  finer.text += "\n# twice the cells";
+  return finer;
+}
+
+std::filesystem::path finer_checkpoint(const std::filesystem::path& checkpoint) {
+  return checkpoint.empty() ? checkpoint : std::filesystem::path(checkpoint.string() + ".finer");
+}
+
 std::string checkpointed_text(const FlowPlan& plan) {
   return fmt::format("{}\n# solver of flows, revision {}", plan.text, kRevision);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <utility>
@@ -16,6 +17,12 @@ FlowCase flow_case_at(const FlowPlan& plan, const std::vector<double>& point);
 
 /// The same, solved. @throws NoResultError if it is neither steady nor averaged in the end
 FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point, const ProgressCallback& progress);
+
+/// The same flows on twice the cells, which say what the grid is worth.
+FlowPlan finer_plan(const FlowPlan& plan);
+
+/// Where these flows are kept, beside those of the book; empty for no file.
+std::filesystem::path finer_checkpoint(const std::filesystem::path& checkpoint);
 
 /// What checkpoints of a book must agree in: the plan, and the revision of the solver.
 std::string checkpointed_text(const FlowPlan& plan);

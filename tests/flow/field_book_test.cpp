@@ -153,6 +153,35 @@ TEST_CASE("an energy book takes few flows, answers as they do, and goes on from 
   CHECK_THROWS_WITH(build_energy_book(plan), Contains("needs a box"));
 }
 
+TEST_CASE("flows on twice the cells that were found before an interruption are not solved again") {
+  const FlowPlan& plan = built().plan;
+  codebooks::BuildOptions options;
+  options.checkpoint = std::filesystem::temp_directory_path() / "samara_finer_book_test.checkpoint";
+  options.resume = true;
+  std::set<std::string> flows;
+  const auto flows_of = [&](std::size_t most) {
+    flows.clear();
+    options.progress = [&flows, most](const Progress& report) {
+      flows.insert(report.stage);
+      return flows.size() <= most;
+    };
+  };
+  const auto checked = [&](const auto& change_of, const codebooks::Codebook& book) {
+    std::filesystem::remove(finer_checkpoint(options.checkpoint));
+    flows_of(1);
+    CHECK_THROWS_AS(change_of(plan, book, options), NoResultError);
+    CHECK(flows.size() == 2);
+    flows_of(2);
+    const Eigen::VectorXd change = change_of(plan, book, options);
+    CHECK(flows.size() == 1);
+    CHECK(change == change_of(plan, book, codebooks::BuildOptions()));
+    CHECK(change.minCoeff() > 0.0);
+  };
+  checked(field_discretisation, built().result.book);
+  checked(discretisation, build_energy_book(plan).book);
+  std::filesystem::remove(finer_checkpoint(options.checkpoint));
+}
+
 TEST_CASE("a book does not go on from the flows of another solver, and says so") {
   FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
   codebooks::BuildOptions options;
