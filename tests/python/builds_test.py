@@ -99,8 +99,12 @@ INTERRUPTED = """
         calls[0] += 1
         time.sleep(0.02)
         return (1 / (1 + 25 * (x[:, 0] + 0.3 * x[:, 1]) ** 2))
+    def stop():
+        while calls[0] < 20:
+            time.sleep(0.005)
+        os.kill(os.getpid(), signal.SIGINT)
     if sys.argv[2] == "stop":
-        threading.Timer(0.6, os.kill, (os.getpid(), signal.SIGINT)).start()
+        threading.Thread(target=stop, daemon=True).start()
     try:
         book = samara.separate(slow, {"a": (-1, 1), "b": (-1, 1)}, ["u"], tolerance=1e-6, certificate_points=50,
                                checkpoint=sys.argv[1])
