@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/line_elements.h"
 #include "samara/codebooks/build/line_nodes.h"
+#include "samara/codebooks/build/stepped_grid.h"
 #include "samara/codebooks/build/stepped_skeleton.h"
 #include "samara/codebooks/build/stepped_state.h"
 #include "samara/codebooks/build/stepped_trajectories.h"
@@ -35,7 +35,6 @@ using Eigen::Index;
 // Shares of the plan's tolerance.
 constexpr double kShareOfStep = 0.05;
 constexpr double kShareOfMesh = 0.1;
-constexpr double kShareOfNodes = 0.1;
 constexpr double kShareOfSkeleton = 0.02;
 constexpr double kShareOfCross = 0.5;
 /// What fresh points off the grid must show: two thousand do not see the largest error of all.
@@ -43,32 +42,12 @@ constexpr double kFreshMargin = 0.6;
 constexpr double kShareOfRounding = 0.1;
 
 constexpr int kPilots = 64;
-constexpr int kLines = 32;
 constexpr int kCheckPoints = 2000;
-constexpr int kMaxNodes = 128;
-constexpr int kMaxElementNodes = 512;
-/// What is asked of nodes in the next round, where it was not enough.
-constexpr double kTighter = 0.2;
-/// In a box with elements, a coordinate whose polynomial takes more nodes than these is tried in elements, too.
-constexpr int kLongBesideElements = 64;
 constexpr int kMaxRank = 400;
 /// Trajectories of a cross that cannot meet the tolerance.
 constexpr long kMostBeforeFront = 1'000'000;
 /// Those of one over elements, where the plan sets no limit.
 constexpr long kMostOverElements = 2'000'000;
-
-/// Half of the points in corners of the box, half inside.
-Eigen::MatrixXd corners_and_inside(const Plan& plan, int count, pgd::Random& random) {
-  Eigen::MatrixXd points(static_cast<Index>(plan.box.size()), count);
-  for (Index j = 0; j < points.cols(); ++j) {
-    for (Index k = 0; k < points.rows(); ++k) {
-      const BoxEntry& entry = plan.box[static_cast<std::size_t>(k)];
-      const double share = 2 * j < points.cols() ? random.below(2) : random.uniform();
-      points(k, j) = entry.lower + (entry.upper - entry.lower) * share;
-    }
-  }
-  return points;
-}
 
 class SteppedBuild {
  public:
@@ -81,9 +60,8 @@ class SteppedBuild {
         trajectories_(model, plan.end / kFirstSteps, plan.builder.threads, max_calls, progress),
         random_(plan.builder.seed),
         max_rank_(plan.builder.max_rank.value_or(kMaxRank)),
-        lines_([this](Index k, int nodes) { return polynomial_axis(k, nodes); },
-               [this](const Eigen::MatrixXd& points) { return scaled_values(points, times_); },
-               std::min(plan.builder.max_nodes.value_or(kMaxNodes), LineNodes::kMostLine)) {
+        grid_(plan, source_.coordinates, trajectories_,
+              [this](const Eigen::MatrixXd& points) { return scaled_values(points); }) {
     record_.builder = "sampling";
     record_.strategy = "steps";
   }
@@ -94,7 +72,7 @@ class SteppedBuild {
       pilots_ = corners_and_inside(plan_, kPilots, random_);
       choose_step(trajectories_, pilots_, plan_.end, floors(), kShareOfStep * plan_.relative);
       choose_times();
-      look_along_lines();
+      grid_.look_along_lines(random_);
       begin();
       approximate_until_met();
     } catch (const SteppedEnd& end) {
@@ -107,23 +85,12 @@ class SteppedBuild {
 
  private:
   Index states() const { return static_cast<Index>(source_.outputs.size()); }
-  Index coordinates() const { return static_cast<Index>(plan_.box.size()); }
 
   /// All states at the times, a column per point, over their scales.
-  Eigen::MatrixXd scaled_values(const Eigen::MatrixXd& points, const std::vector<double>& times) {
-    Eigen::MatrixXd values = trajectories_(points, times);
+  Eigen::MatrixXd scaled_values(const Eigen::MatrixXd& points) {
+    Eigen::MatrixXd values = trajectories_(points, times_);
     values.reshaped(states(), values.size() / states()).array().colwise() /= scale_.array();
     return values;
-  }
-
-  /// Least ranges of the states.
-  Eigen::VectorXd floors() const {
-    Eigen::VectorXd floors = Eigen::VectorXd::Zero(states());
-    for (Index s = 0; s < states(); ++s) {
-      const auto floor = plan_.absolute.find(source_.outputs[static_cast<std::size_t>(s)].name);
-      if (floor != plan_.absolute.end()) floors[s] = floor->second;
-    }
-    return floors;
   }
 
   void choose_times() {
@@ -149,106 +116,14 @@ class SteppedBuild {
                       fmt::format("{} elements of time do not follow the motion", mesh_->axis.elements())});
   }
 
-  pgd::Axis polynomial_axis(Index coordinate, int nodes) const {
-    const BoxEntry& entry = plan_.box[static_cast<std::size_t>(coordinate)];
-    return pgd::Axis::chebyshev(source_.coordinates[static_cast<std::size_t>(coordinate)], entry.lower,
-                                entry.upper, nodes);
-  }
-
-  void look_along_lines() {
-    for (Index k = 0; k < coordinates(); ++k) {
-      trajectories_.tell("lines", static_cast<double>(k) / static_cast<double>(coordinates()));
-      look_along(lines_, k, corners_and_inside(plan_, kLines, random_));
+  /// Least ranges of the states.
+  Eigen::VectorXd floors() const {
+    Eigen::VectorXd floors = Eigen::VectorXd::Zero(states());
+    for (Index s = 0; s < states(); ++s) {
+      const auto floor = plan_.absolute.find(source_.outputs[static_cast<std::size_t>(s)].name);
+      if (floor != plan_.absolute.end()) floors[s] = floor->second;
     }
-    for (Index k = 0; k < coordinates(); ++k) {
-      if (lines_.needs_more(k, kShareOfNodes * plan_.relative)) return try_elements();
-    }
-  }
-
-  void look_along(LineNodes& lines, Index coordinate, const Eigen::MatrixXd& bases) const {
-    lines.look_along(coordinate, bases, 0.1 * kShareOfNodes * plan_.relative, plan_.relative);
-  }
-
-  /// Elements follow a front that no polynomial does. Few lines through the box cross it: once its places are known, all
-  /// coordinates are looked along from there.
-  void try_elements() {
-    LineNodes lines = lines_;
-    const double bound = kShareOfNodes * plan_.relative;
-    bool is_in_vain = false;  // a front that elements do not follow either
-    const auto cut = [&](Index k) {
-      const int nodes = lines.within(bound)[static_cast<std::size_t>(k)];
-      const bool needs_more = lines.needs_more(k, bound);
-      const bool is_long = needs_more || (lines.has_elements() && nodes > kLongBesideElements);
-      if (is_in_vain || lines.elements(k) || !is_long) return;
-      trajectories_.tell("elements", static_cast<double>(k) / static_cast<double>(coordinates()));
-      std::optional<LineElements> found = elements_of(lines, k, kShareOfNodes, random_);
-      is_in_vain = !found && needs_more;
-      if (!found || (found->axis.size() >= nodes && !needs_more)) return;
-      lines.set_elements(k, std::move(found->axis));
-      const Index known = front_places_.cols();
-      front_places_.conservativeResize(coordinates(), known + found->steepest.cols());
-      front_places_.rightCols(found->steepest.cols()) = found->steepest;
-    };
-    std::vector<Index> order;
-    for (Index k = 0; k < coordinates(); ++k) order.push_back(k);
-    const std::vector<int> nodes = lines.within(bound);
-    std::ranges::stable_sort(order, std::greater<>(),
-                             [&](Index k) { return nodes[static_cast<std::size_t>(k)]; });
-    std::ranges::for_each(order, cut);
-    if (!lines.has_elements()) return;
-    for (const Index k : order) {
-      if (is_in_vain) return;
-      if (!lines.elements(k)) look_along(lines, k, bases_at_fronts(random_));
-      cut(k);
-    }
-    if (!is_in_vain && lines.front() == nullptr) lines_ = std::move(lines);
-  }
-
-  /// Of lines, most of them through the places of fronts that are known.
-  Eigen::MatrixXd bases_at_fronts(pgd::Random& random) const {
-    Eigen::MatrixXd some = corners_and_inside(plan_, kLines, random);
-    for (Index j = 0; j < some.cols() && front_places_.cols() > 0; ++j) {
-      if (j % 4 != 3) some.col(j) = front_places_.col(random.below(static_cast<int>(front_places_.cols())));
-    }
-    return some;
-  }
-
-  /// Halves of those that the coordinate has.
-  std::optional<LineElements> elements_of(const LineNodes& lines, Index coordinate, double share,
-                                          pgd::Random& random) {
-    LineElementsOptions options;
-    if (const pgd::Axis* axis = lines.elements(coordinate)) options.borders = axis->borders();
-    // Twice: an error that is seen, not a bound of it.
-    options.tolerance = 2.0 * share * plan_.relative;
-    options.max_nodes = plan_.builder.max_nodes.value_or(kMaxElementNodes);
-    options.max_points = std::min(options.max_points, trajectories_.left() / 8);
-    const BoxEntry& entry = plan_.box[static_cast<std::size_t>(coordinate)];
-    const auto values = [&](const Eigen::MatrixXd& points) { return scaled_values(points, times_); };
-    const auto bases = [&] { return bases_at_fronts(random); };
-    return elements_along(coordinate, source_.coordinates[static_cast<std::size_t>(coordinate)], entry.lower,
-                          entry.upper, values, bases, options);
-  }
-
-  /// Until they err along lines by no more than their share. A build that goes on from a state halves as the one did
-  /// that has left it: in the same steps, by draws of their own.  @throws SteppedEnd where they would be too many
-  void halve_elements() {
-    while (lines_.has_elements() && element_share_ > state_.element_share) {
-      element_share_ *= kTighter;
-      pgd::Random random(plan_.builder.seed);
-      for (Index k = 0; k < coordinates(); ++k) {
-        if (!lines_.elements(k)) continue;
-        trajectories_.tell("elements", static_cast<double>(k) / static_cast<double>(coordinates()));
-        std::optional<LineElements> found = elements_of(lines_, k, element_share_, random);
-        if (!found) {
-          throw SteppedEnd(
-              {Termination::exhausted,
-               fmt::format("{} elements along {} do not suffice, and halves of them take more nodes "
-                           "than are allowed",
-                           lines_.elements(k)->elements(), lines_.elements(k)->name())});
-        }
-        if (found->axis.size() > lines_.elements(k)->size()) lines_.set_elements(k, std::move(found->axis));
-      }
-    }
+    return floors;
   }
 
   /// The first round is a coarse one: its pivots make the next cheaper, and its field is there if the calls end. Where
@@ -256,10 +131,10 @@ class SteppedBuild {
   /// a coarse round, twice as many with the first sweep, cost more than they help.
   void begin() {
     constexpr double kCoarse = 5.0;
-    const bool is_coarse = !lines_.has_elements();
+    const bool is_coarse = !grid_.has_elements();
     state_.cross_share = (is_coarse ? kCoarse : 1.0) * kShareOfCross;
-    state_.node_share = (is_coarse ? 2.0 * kCoarse : 1.0) * kShareOfNodes;
-    state_.element_share = kShareOfNodes;
+    state_.node_share = (is_coarse ? 2.0 * kCoarse : 1.0) * SteppedGrid::kFirstShare;
+    state_.element_share = SteppedGrid::kFirstShare;
     state_.random = random_;
     state_.calls = trajectories_.calls();
     state_.times = times_;
@@ -274,10 +149,9 @@ class SteppedBuild {
     } catch (const ArgumentError& error) {
       throw bad_checkpoint(kept_.file, error.what());
     }
-    halve_elements();
+    grid_.halve_elements(state_.element_share);
     const auto rows = static_cast<std::size_t>(states()) * times_.size();
-    if (state_.times != times_ ||
-        !state_.fits(plan_.box.size(), rows, lines_.within(state_.node_share * plan_.relative)))
+    if (state_.times != times_ || !state_.fits(plan_.box.size(), rows, grid_.nodes_within(state_.node_share)))
       throw bad_checkpoint(kept_.file,
                            "the stored state of a build by steps is of another grid or other times");
     trajectories_.go_on_from(state_.calls);
@@ -292,39 +166,57 @@ class SteppedBuild {
     kept_.save(writer.numbers());
   }
 
+  void approximate_until_met() {
+    constexpr int kRounds = 6;
+    for (; state_.round <= kRounds; ++state_.round) {
+      record_.rounds = state_.round;
+      random_ = state_.random;
+      if (!state_.is_crossed) approximate();
+      const bool is_claimed = state_.error <= kFreshMargin * plan_.relative;
+      // A front was seen at points of lines: the field is wrong there, whatever others say.
+      if (is_claimed && !grid_.front() && is_certified()) return;
+      tighten(is_claimed);
+    }
+    throw SteppedEnd({Termination::stagnated, fmt::format("{} rounds did not meet the tolerance", kRounds)});
+  }
+
+  void approximate() {
+    trajectories_.tell(state_.cross_share > kShareOfCross ? "coarse cross"
+                       : state_.round == 1
+                           ? "cross"
+                           : fmt::format("cross {}, the last errs by {:.2g}", state_.round - 1, state_.error),
+                       0.0);
+    const double tolerance = state_.cross_share * plan_.relative;
+    const Skeleton chosen = skeleton(kShareOfSkeleton / kShareOfCross * tolerance);
+    const pgd::CrossResult cross = interpolate(grid_.nodes_within(state_.node_share), chosen, tolerance);
+    state_.error = error_of(cross.train);
+    state_.guard_error = cross.guard_error;
+    // The first rank is that of the skeleton, which has no bound.
+    const std::vector<int> ranks = cross.train.ranks();
+    state_.are_ranks_used_up =
+        std::any_of(ranks.begin() + 1, ranks.end(), [&](int rank) { return rank >= max_rank_; });
+    if (state_.best.cores.empty() || state_.error < state_.best_error) {
+      state_.best = cross.train;
+      state_.best_error = state_.error;
+      state_.nodes_of_best = state_.nodes;
+    }
+    state_.is_crossed = true;
+    state_.random = random_;
+    keep();
+  }
+
   Skeleton skeleton(double bound) {
     const auto some = [&](int count) {
       Eigen::MatrixXd points = corners_and_inside(plan_, count, random_);
-      if (lines_.has_elements()) points.leftCols(count / 2) = points_near_fronts(count / 2);
-      return scaled_values(points, times_);
+      if (grid_.has_elements()) points.leftCols(count / 2) = grid_.points_near_fronts(count / 2, random_);
+      return scaled_values(points);
     };
     return find_skeleton(some, times_, scale_, 4 * max_rank_, bound);
   }
 
-  std::vector<pgd::Axis> axes_of(const std::vector<int>& nodes) const {
-    std::vector<pgd::Axis> axes;
-    for (Index k = 0; k < coordinates(); ++k)
-      axes.push_back(lines_.axis(k, nodes[static_cast<std::size_t>(k)]));
-    return axes;
-  }
-
-  /// Where elements are short, as densely as they lie.
-  Eigen::MatrixXd points_near_fronts(int count) {
-    return points_by_elements(axes_of(lines_.within(plan_.relative)), count, random_);
-  }
-
-  /// Than the last round: its pivots do not lie on them.
-  bool has_other_elements(const std::vector<int>& nodes) const {
-    for (Index k = 0; k < coordinates(); ++k) {
-      const auto place = static_cast<std::size_t>(k);
-      if (lines_.elements(k) && nodes[place] != state_.nodes[place]) return true;
-    }
-    return false;
-  }
-
   /// The train of all states at all times over the grid, by crosses whose guards err by at most `tolerance`.
   pgd::CrossResult interpolate(const std::vector<int>& nodes, const Skeleton& skeleton, double tolerance) {
-    const std::vector<pgd::Axis> axes = axes_of(nodes);
+    const std::vector<pgd::Axis> axes = grid_.axes(nodes);
     const pgd::EntryFunction at_entries = [&](const pgd::IndexBatch& entries, Eigen::MatrixXd& values) {
       const Eigen::MatrixXd all = trajectories_(pgd::coordinates_at(axes, entries), skeleton.times);
       for (Index j = 0; j < all.cols(); ++j)
@@ -337,10 +229,11 @@ class SteppedBuild {
     options.guard_entries = plan_.builder.guards.value_or(500);
     options.first_pivots = 50;
     options.growth = 1.0;
-    if (lines_.front()) options.max_evaluations = kMostBeforeFront;
-    if (lines_.has_elements() && plan_.builder.max_calls == 0) options.max_evaluations = kMostOverElements;
+    if (grid_.front()) options.max_evaluations = kMostBeforeFront;
+    if (grid_.has_elements() && plan_.builder.max_calls == 0) options.max_evaluations = kMostOverElements;
     options.seed = random_.bits();
-    if (!state_.nodes.empty() && !has_other_elements(nodes))
+    // Pivots of the last cross do not lie on other elements.
+    if (!state_.nodes.empty() && grid_.are_same_elements(nodes, state_.nodes))
       options.start = pgd::carried_over(state_.pivots, state_.nodes, nodes);
     options.checkpoint = [this](pgd::CrossState& sweep) {
       state_.sweep = {sweep};
@@ -364,146 +257,23 @@ class SteppedBuild {
   /// Largest error at fresh points, off the grid, of all states at all times. Where there are fronts, half of the
   /// points lie about them.
   double error_of(const pgd::TensorTrain& train) {
-    const std::vector<pgd::Axis> axes = axes_of(state_.nodes);
-    Eigen::MatrixXd points(coordinates(), kCheckPoints);
+    const std::vector<pgd::Axis> axes = grid_.axes(state_.nodes);
+    Eigen::MatrixXd points(static_cast<Index>(plan_.box.size()), kCheckPoints);
     for (double& share : points.reshaped()) share = random_.uniform();
-    for (Index k = 0; k < coordinates(); ++k) {
+    for (Index k = 0; k < points.rows(); ++k) {
       const BoxEntry& entry = plan_.box[static_cast<std::size_t>(k)];
       points.row(k) = (entry.lower + (entry.upper - entry.lower) * points.row(k).array()).matrix();
     }
-    if (lines_.has_elements()) points.leftCols(kCheckPoints / 2) = points_near_fronts(kCheckPoints / 2);
+    if (grid_.has_elements())
+      points.leftCols(kCheckPoints / 2) = grid_.points_near_fronts(kCheckPoints / 2, random_);
     double largest = 0.0;
     constexpr Index kTogether = 500;
     for (Index first = 0; first < points.cols(); first += kTogether) {
       const Eigen::MatrixXd some = points.middleCols(first, kTogether);
-      const Eigen::MatrixXd error = pgd::many_values_at(train, axes, some) - scaled_values(some, times_);
+      const Eigen::MatrixXd error = pgd::many_values_at(train, axes, some) - scaled_values(some);
       largest = std::max(largest, error.cwiseAbs().maxCoeff());
     }
     return largest;
-  }
-
-  /// The first core, over states and times, becomes one of the states and one of time: the same numbers in the same
-  /// order.
-  pgd::TrainField best_field() const {
-    pgd::TensorTrain train = state_.best;
-    pgd::TrainCore& first = train.cores.front();
-    first.left = static_cast<int>(states());
-    first.size = mesh_->axis.size();
-    pgd::TrainCore outputs(1, static_cast<int>(states()), static_cast<int>(states()));
-    outputs.left_unfolding() = scale_.asDiagonal();
-    train.cores.insert(train.cores.begin(), std::move(outputs));
-    std::vector<pgd::Axis> axes = axes_of(state_.nodes_of_best);
-    axes.insert(axes.begin(), mesh_->axis);
-    return {std::move(axes), source_.outputs, std::move(train)};
-  }
-
-  void approximate_until_met() {
-    constexpr int kRounds = 6;
-    for (; state_.round <= kRounds; ++state_.round) {
-      record_.rounds = state_.round;
-      random_ = state_.random;
-      if (!state_.is_crossed) approximate();
-      const bool is_claimed = state_.error <= kFreshMargin * plan_.relative;
-      // A front was seen at points of lines: the field is wrong there, whatever others say.
-      if (is_claimed && !lines_.front() && is_certified()) return;
-      tighten(is_claimed);
-    }
-    throw SteppedEnd({Termination::stagnated, fmt::format("{} rounds did not meet the tolerance", kRounds)});
-  }
-
-  void approximate() {
-    trajectories_.tell(state_.cross_share > kShareOfCross ? "coarse cross"
-                       : state_.round == 1
-                           ? "cross"
-                           : fmt::format("cross {}, the last errs by {:.2g}", state_.round - 1, state_.error),
-                       0.0);
-    const double tolerance = state_.cross_share * plan_.relative;
-    const Skeleton chosen = skeleton(kShareOfSkeleton / kShareOfCross * tolerance);
-    const pgd::CrossResult cross =
-        interpolate(lines_.within(state_.node_share * plan_.relative), chosen, tolerance);
-    state_.error = error_of(cross.train);
-    state_.guard_error = cross.guard_error;
-    // The first rank is that of the skeleton, which has no bound.
-    const std::vector<int> ranks = cross.train.ranks();
-    state_.are_ranks_used_up =
-        std::any_of(ranks.begin() + 1, ranks.end(), [&](int rank) { return rank >= max_rank_; });
-    if (state_.best.cores.empty() || state_.error < state_.best_error) {
-      state_.best = cross.train;
-      state_.best_error = state_.error;
-      state_.nodes_of_best = state_.nodes;
-    }
-    state_.is_crossed = true;
-    state_.random = random_;
-    keep();
-  }
-
-  bool are_polynomials_used_up() const {
-    for (Index k = 0; k < coordinates(); ++k) {
-      if (!lines_.elements(k) && lines_.needs_more(k, state_.node_share * plan_.relative)) return true;
-    }
-    return false;
-  }
-
-  /// For the next round. @param is_refuted by the certificate, at points that tell nodes from ranks no more than fresh
-  /// ones have  @throws SteppedEnd where ranks or nodes do not allow it
-  void tighten(bool is_refuted) {
-    // Left by a cross that did not end.
-    if (lines_.has_elements() && !state_.are_ranks_used_up &&
-        state_.guard_error > 2.0 * state_.cross_share * plan_.relative) {
-      throw SteppedEnd({Termination::exhausted,
-                        fmt::format("fronts move through the box: a cross over {} nodes still errs by {:.2g}",
-                                    fmt::join(state_.nodes, " x "), state_.guard_error)});
-    }
-    // The cross errs at nodes already, or only between them.
-    const bool needs_nodes = state_.error > 2.0 * state_.guard_error;
-    if (state_.cross_share > kShareOfCross) {
-      state_.cross_share = kShareOfCross;
-      state_.node_share = kShareOfNodes;
-    } else {
-      if (needs_nodes || is_refuted) state_.node_share *= kTighter;
-      if (!needs_nodes || is_refuted || state_.guard_error > state_.cross_share * plan_.relative)
-        state_.cross_share *= 0.5;
-    }
-    const auto is_same_grid = [&] {
-      return lines_.within(state_.node_share * plan_.relative) == state_.nodes;
-    };
-    // Polynomials first: a cross over the same elements goes on from the pivots of the last.
-    if (lines_.has_elements() && needs_nodes && !state_.are_ranks_used_up && is_same_grid()) {
-      state_.element_share *= kTighter;
-      halve_elements();
-    }
-    const bool are_nodes_used_up =
-        (state_.round > 1 || lines_.has_elements()) && needs_nodes && is_same_grid();
-    // One that errs by little is worth a fine round.
-    constexpr double kLittle = 10.0;
-    const Front* front = lines_.front();
-    if (front != nullptr && (state_.round > 1 || front->error > kLittle * plan_.relative)) {
-      throw SteppedEnd(
-          {Termination::exhausted,
-           fmt::format("{}; {}",
-                       described(*front, source_.coordinates, source_.outputs, times_, source_.time_unit),
-                       front->allowed == LineNodes::kMostLine ? "steps take no more"
-                                                              : "the nodes allowed do not suffice")});
-    }
-    if (state_.are_ranks_used_up || are_nodes_used_up) {
-      throw SteppedEnd(
-          {Termination::exhausted, state_.are_ranks_used_up ? "the ranks allowed do not suffice"
-                                   : lines_.has_elements() && !are_polynomials_used_up()
-                                       ? "the nodes that lines ask for do not suffice between them"
-                                       : "the nodes allowed do not suffice"});
-    }
-    state_.is_crossed = false;
-  }
-
-  /// Mean squares over all nodes know of fronts, points of the whole box hardly: some are told.
-  void round_off(const pgd::TrainField& field, double tolerance) {
-    Eigen::MatrixXd centres;
-    if (lines_.has_elements()) {
-      constexpr int kCentres = 1000;
-      pgd::Random random(plan_.builder.seed);
-      centres = points_by_elements(field.axes(), kCentres, random);
-    }
-    rounded_ = pgd::rounded(field, scale_, tolerance, plan_.builder.seed, centres);
   }
 
   /// The best field, with fewer numbers, before the certificate. What is wrong is built again, smaller.
@@ -523,6 +293,85 @@ class SteppedBuild {
     return true;
   }
 
+  /// The first core, over states and times, becomes one of the states and one of time: the same numbers in the same
+  /// order.
+  pgd::TrainField best_field() const {
+    pgd::TensorTrain train = state_.best;
+    pgd::TrainCore& first = train.cores.front();
+    first.left = static_cast<int>(states());
+    first.size = mesh_->axis.size();
+    pgd::TrainCore outputs(1, static_cast<int>(states()), static_cast<int>(states()));
+    outputs.left_unfolding() = scale_.asDiagonal();
+    train.cores.insert(train.cores.begin(), std::move(outputs));
+    std::vector<pgd::Axis> axes = grid_.axes(state_.nodes_of_best);
+    axes.insert(axes.begin(), mesh_->axis);
+    return {std::move(axes), source_.outputs, std::move(train)};
+  }
+
+  /// Mean squares over all nodes know of fronts, points of the whole box hardly: some are told.
+  void round_off(const pgd::TrainField& field, double tolerance) {
+    Eigen::MatrixXd centres;
+    if (grid_.has_elements()) {
+      constexpr int kCentres = 1000;
+      pgd::Random random(plan_.builder.seed);
+      centres = points_by_elements(field.axes(), kCentres, random);
+    }
+    rounded_ = pgd::rounded(field, scale_, tolerance, plan_.builder.seed, centres);
+  }
+
+  /// For the next round. @param is_refuted by the certificate, at points that tell nodes from ranks no more than fresh
+  /// ones have  @throws SteppedEnd where there is none
+  void tighten(bool is_refuted) {
+    // Left by a cross that did not end.
+    if (grid_.has_elements() && !state_.are_ranks_used_up &&
+        state_.guard_error > 2.0 * state_.cross_share * plan_.relative) {
+      throw SteppedEnd({Termination::exhausted,
+                        fmt::format("fronts move through the box: a cross over {} nodes still errs by {:.2g}",
+                                    fmt::join(state_.nodes, " x "), state_.guard_error)});
+    }
+    // The cross errs at nodes already, or only between them.
+    const bool needs_nodes = state_.error > 2.0 * state_.guard_error;
+    if (state_.cross_share > kShareOfCross) {
+      state_.cross_share = kShareOfCross;
+      state_.node_share = SteppedGrid::kFirstShare;
+    } else {
+      if (needs_nodes || is_refuted) state_.node_share *= SteppedGrid::kTighter;
+      if (!needs_nodes || is_refuted || state_.guard_error > state_.cross_share * plan_.relative)
+        state_.cross_share *= 0.5;
+    }
+    const auto is_same_grid = [&] { return grid_.nodes_within(state_.node_share) == state_.nodes; };
+    // Polynomials first: a cross over the same elements goes on from the pivots of the last.
+    if (grid_.has_elements() && needs_nodes && !state_.are_ranks_used_up && is_same_grid()) {
+      state_.element_share *= SteppedGrid::kTighter;
+      grid_.halve_elements(state_.element_share);
+    }
+    refuse_in_vain(needs_nodes && is_same_grid());
+    state_.is_crossed = false;
+  }
+
+  /// @param is_same_grid although nodes are needed  @throws SteppedEnd where ranks or nodes do not allow another round
+  void refuse_in_vain(bool is_same_grid) const {
+    // One that errs by little is worth a fine round.
+    constexpr double kLittle = 10.0;
+    const Front* front = grid_.front();
+    if (front != nullptr && (state_.round > 1 || front->error > kLittle * plan_.relative)) {
+      throw SteppedEnd(
+          {Termination::exhausted,
+           fmt::format("{}; {}",
+                       described(*front, source_.coordinates, source_.outputs, times_, source_.time_unit),
+                       front->allowed == LineNodes::kMostLine ? "steps take no more"
+                                                              : "the nodes allowed do not suffice")});
+    }
+    const bool are_nodes_used_up = (state_.round > 1 || grid_.has_elements()) && is_same_grid;
+    if (state_.are_ranks_used_up || are_nodes_used_up) {
+      throw SteppedEnd(
+          {Termination::exhausted, state_.are_ranks_used_up ? "the ranks allowed do not suffice"
+                                   : grid_.has_elements() && !grid_.are_polynomials_used_up(state_.node_share)
+                                       ? "the nodes that lines ask for do not suffice between them"
+                                       : "the nodes allowed do not suffice"});
+    }
+  }
+
   Outcome<Solution> solution() {
     const pgd::TrainField field = best_field();
     if (record_.status != Termination::converged) {
@@ -535,10 +384,9 @@ class SteppedBuild {
         "to {}",
         trajectories_.calls(), trajectories_.step(), mesh_->axis.elements(),
         fmt::join(state_.nodes_of_best, " x "), field.entries(), rounded_->field.entries());
-    for (Index k = 0; k < coordinates(); ++k) {
-      if (!lines_.elements(k)) continue;
-      const pgd::Axis axis = lines_.axis(k, state_.nodes_of_best[static_cast<std::size_t>(k)]);
-      record_.message += fmt::format("; {} elements along {}", axis.elements(), axis.name());
+    for (const pgd::Axis& axis : grid_.axes(state_.nodes_of_best)) {
+      if (axis.elements() > 1)
+        record_.message += fmt::format("; {} elements along {}", axis.elements(), axis.name());
     }
     record_.evaluations = static_cast<double>(trajectories_.calls());
     record_.grid_size = 1.0;
@@ -560,9 +408,7 @@ class SteppedBuild {
   std::optional<TimeMesh> mesh_;
   Eigen::VectorXd scale_;
   std::vector<double> times_;
-  LineNodes lines_;
-  Eigen::MatrixXd front_places_;          ///< of the box, a column each
-  double element_share_ = kShareOfNodes;  ///< which elements follow
+  SteppedGrid grid_;
   SteppedState state_;
   int refuted_ = 0;  ///< by certificates
   std::optional<pgd::RoundedField> rounded_;
