@@ -75,11 +75,7 @@ std::vector<Capture> paper_drops(const std::filesystem::path& folder, const std:
 PaperSplit split(const std::vector<Capture>& all, std::size_t drops, int frames, std::uint64_t seed,
                  int stride) {
   pgd::Random random(seed);
-  std::vector<std::size_t> order(all.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  for (std::size_t k = order.size() - 1; k > 0; --k) {
-    std::swap(order[k], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k + 1))]);
-  }
+  const std::vector<std::size_t> order = random_order(all.size(), random);
   PaperSplit result;
   for (std::size_t k = 0; k < all.size(); ++k) {
     std::vector<Window>& windows = k < drops ? result.fitted : k < 2 * drops ? result.unseen : result.rest;

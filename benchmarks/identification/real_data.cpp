@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <iostream>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "samara/base/errors.h"
 
@@ -115,6 +117,14 @@ double Claims::converged_fraction() const {
 
 double Claims::halves_beyond_two_errors() const {
   return static_cast<double>(beyond_) / compared_;
+}
+
+std::vector<std::size_t> random_order(std::size_t count, pgd::Random& random) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t k = count; k > 1; --k)
+    std::swap(order[k - 1], order[static_cast<std::size_t>(random.below(static_cast<int>(k)))]);
+  return order;
 }
 
 double median_of(std::vector<double> values) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "samara/identification/problem/fit_result.h"
 #include "samara/models/trajectories/interval.h"
 #include "samara/models/trajectories/trajectory_family.h"
+#include "samara/pgd/tensors/random.h"
 
 /// What cases with measured captures share.
 namespace samara::benchmarks::identification {
@@ -57,6 +59,9 @@ class Claims {
   int fits_ = 0, converged_ = 0;
   int compared_ = 0, beyond_ = 0;
 };
+
+/// 0, 1, .. count - 1 in a random order: which motions are fitted, and which are asked about.
+std::vector<std::size_t> random_order(std::size_t count, pgd::Random& random);
 
 double median_of(std::vector<double> values);
 double rms_of(const std::vector<double>& values);

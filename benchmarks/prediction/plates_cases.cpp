@@ -76,14 +76,10 @@ std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>&
   return moments;
 }
 
-/// Of drops, drawn with a seed: the first ones are fitted, those after them asked about.
+/// Of drops: the first ones are fitted, those after them asked about.
 std::vector<std::size_t> order_of(std::size_t count, int seed) {
   pgd::Random random(static_cast<std::uint64_t>(seed));
-  std::vector<std::size_t> order(count);
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  for (std::size_t k = order.size() - 1; k > 0; --k)
-    std::swap(order[k], order[static_cast<std::size_t>(random.below(static_cast<int>(k) + 1))]);
-  return order;
+  return identification::random_order(count, random);
 }
 
 /// Windows of drops with jumps, gaps or doubtful labels, without the jumps: the autoregression learns of them too.

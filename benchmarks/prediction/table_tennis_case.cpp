@@ -86,10 +86,7 @@ struct Dealt {
   std::vector<Capture> others[kFolds], left_out[kFolds];
 };
 Dealt dealt(const std::vector<Capture>& flights, pgd::Random& random) {
-  std::vector<std::size_t> order(flights.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  for (std::size_t k = order.size() - 1; k > 0; --k)
-    std::swap(order[k], order[static_cast<std::size_t>(random.below(static_cast<int>(k) + 1))]);
+  const std::vector<std::size_t> order = identification::random_order(flights.size(), random);
   Dealt result;
   for (std::size_t k = 0; k < order.size(); ++k) {
     for (std::size_t fold = 0; fold < kFolds; ++fold)
