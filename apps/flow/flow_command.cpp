@@ -46,6 +46,16 @@ void check_flow_target(const FlowArguments& arguments) {
                     arguments.output));
 }
 
+/// What an earlier run with the same output has left.
+/// @throws ArgumentError if the user insists on it, and there is nothing
+fs::path checkpoint_of(const FlowArguments& arguments) {
+  const fs::path checkpoint = arguments.output + ".checkpoint";
+  std::error_code ignored;
+  if (arguments.resume && !fs::exists(checkpoint, ignored))
+    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", checkpoint.string()));
+  return checkpoint;
+}
+
 /// What an earlier run has left is taken up, unless the user wants to begin anew.
 flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowPlan& plan) {
   flow::FlowOptions options;
@@ -54,13 +64,11 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
   options.max_memory = plan.max_memory;
   options.seed = plan.seed;
   options.threads = plan.threads;
-  options.checkpoint = arguments.output + ".checkpoint";
+  options.checkpoint = checkpoint_of(arguments);
   options.resume = !arguments.fresh;
-  std::error_code ignored;
-  if (arguments.resume && !fs::exists(options.checkpoint, ignored))
-    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
   if (arguments.fresh) {
     flow::check_case(plan.flow, plan.max_memory);  // no plan that is refused takes hours of another with it
+    std::error_code ignored;
     fs::remove(options.checkpoint, ignored);
   }
   options.progress = progress_line();
@@ -69,7 +77,7 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
 
 int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
   codebooks::BuildOptions options;
-  options.checkpoint = arguments.output + ".checkpoint";
+  options.checkpoint = checkpoint_of(arguments);
   options.keep_checkpoint = true;
   options.resume = !arguments.fresh;
   options.progress = progress_line();
@@ -79,6 +87,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     fs::remove(options.checkpoint, ignored);
     fs::remove(flow::finer_checkpoint(options.checkpoint), ignored);
   };
+  flow::check_book(plan);  // no plan that is refused takes hours of another with it
   if (arguments.fresh) forget_flows();
   const auto interrupted = [&] {
     warn(fmt::format("interrupted; {} keeps the flows that were found: the same line goes on from there",

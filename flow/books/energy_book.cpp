@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/require.h"
 #include "samara/codebooks/book/made.h"
 #include "samara/codebooks/build/described.h"
 #include "samara/codebooks/build/sampling_builder.h"
@@ -202,11 +201,7 @@ codebooks::BuildResult built(const FlowPlan& plan, const codebooks::BuildOptions
 }  // namespace
 
 codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
-  if (plan.box.empty()) throw ArgumentError("an energy book needs a box, which the plan does not have");
-  const long least = plan.box.size() == 1 ? 4 : 11;
-  require(plan.max_calls >= least, "max_calls", plan.max_calls,
-          fmt::format("at least {}, the first grid and a flow along each coordinate", least),
-          "an energy book");
+  check_book(plan);
   return run_build(options, [&](const codebooks::BuildOptions& guarded) { return built(plan, guarded); });
 }
 

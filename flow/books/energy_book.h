@@ -28,8 +28,8 @@ Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& po
                              const ProgressCallback& progress);
 
 /// @param plan with a box  @param options as of codebooks::build(); a checkpoint keeps every flow that was solved
-/// @throws ArgumentError for a plan without a box, or that allows fewer flows than the first grid needs; NoResultError where a
-/// flow is not found; InputError for a checkpoint of another plan or solver
+/// @throws ArgumentError as check_book() does; NoResultError where a flow is not found; InputError for a checkpoint
+/// of another plan or solver
 codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
 
 /// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points: the

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/require.h"
 #include "samara/codebooks/book/certificate_points.h"
 #include "samara/codebooks/book/made.h"
 #include "samara/codebooks/build/sampling_builder.h"
@@ -341,18 +340,7 @@ std::vector<pgd::OutputLabel> field_outputs(const FlowCase& flow) {
 }
 
 codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
-  if (plan.box.empty()) throw ArgumentError("a book of fields needs a box, which the plan does not have");
-  const long least = plan.box.size() == 1 ? 4 : 11;
-  require(plan.max_calls >= least, "max_calls", plan.max_calls,
-          fmt::format("at least {}, the first grid and a flow along each coordinate", least),
-          "a book of fields");
-  // With twice the cells, too, which field_discretisation() will ask for: after hours it would be late to say so.
-  const FlowPlan finer = finer_plan(plan);
-  const auto [lower, upper] = corners_of(plan);
-  for (const auto& corner : {lower, upper}) {
-    check_case(flow_case_at(plan, corner), plan.max_memory);
-    check_case(flow_case_at(finer, corner), plan.max_memory);
-  }
+  check_book(plan);
   return run_build(options,
                    [&](const codebooks::BuildOptions& guarded) { return FieldBuilder(plan, guarded).run(); });
 }

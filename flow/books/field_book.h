@@ -27,7 +27,7 @@ namespace samara::flow {
 std::vector<pgd::OutputLabel> field_outputs(const FlowCase& flow);
 
 /// @param options as of codebooks::build(); a checkpoint keeps every flow that was solved
-/// @throws ArgumentError for a plan without a box; NoResultError where a flow is not found; InputError for a checkpoint
+/// @throws ArgumentError as check_book() does; NoResultError where a flow is not found; InputError for a checkpoint
 /// of another plan or solver
 codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
 

@@ -7,9 +7,32 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/flow/march/flow_checkpoint.h"
 
 namespace samara::flow {
+
+namespace {
+
+/// Where in the box the body takes most of the stream's width, which may be between its ends.
+std::vector<double> widest_of(const FlowPlan& plan) {
+  constexpr int kSteps = 256;
+  const auto [lower, upper] = corners_of(plan);
+  std::vector<double> widest = lower;
+  double most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    std::vector<double> point;
+    for (std::size_t k = 0; k < lower.size(); ++k)
+      point.push_back(std::lerp(lower[k], upper[k], static_cast<double>(i) / kSteps));
+    const double share = blockage(flow_case_at(plan, point));
+    if (share <= most) continue;
+    most = share;
+    widest = point;
+  }
+  return widest;
+}
+
+}  // namespace
 
 FlowCase flow_case_at(const FlowPlan& plan, const std::vector<double>& point) {
   FlowCase flow = plan.flow;
@@ -48,6 +71,20 @@ FlowPlan finer_plan(const FlowPlan& plan) {
   finer.flow.cells_per_length *= 2;
   finer.text += "\n# twice the cells";
   return finer;
+}
+
+void check_book(const FlowPlan& plan) {
+  if (plan.box.empty()) throw ArgumentError("a book of flows needs a box, which the plan does not have");
+  const long least = plan.box.size() == 1 ? 4 : 11;
+  require(plan.max_calls >= least, "max_calls", plan.max_calls,
+          fmt::format("at least {}, the first grid and a flow along each coordinate", least),
+          "a book of flows");
+  const FlowPlan finer = finer_plan(plan);
+  const auto [lower, upper] = corners_of(plan);
+  for (const auto& point : {lower, upper, widest_of(plan)}) {
+    check_case(flow_case_at(plan, point), plan.max_memory);
+    check_case(flow_case_at(finer, point), plan.max_memory);
+  }
 }
 
 std::filesystem::path finer_checkpoint(const std::filesystem::path& checkpoint) {

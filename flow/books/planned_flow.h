@@ -21,6 +21,11 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point, cons
 /// The same flows on twice the cells, which say what the grid is worth.
 FlowPlan finer_plan(const FlowPlan& plan);
 
+/// Refuses a plan of whose flows some would be refused, such as at the angle of its box where the body is widest, or on twice
+/// the cells: after hours of others it would be late to say so.
+/// @throws ArgumentError also for a plan without a box, or with fewer calls than a first grid takes
+void check_book(const FlowPlan& plan);
+
 /// Where these flows are kept, beside those of the book; empty for no file.
 std::filesystem::path finer_checkpoint(const std::filesystem::path& checkpoint);
 

@@ -249,6 +249,20 @@ relative = 0.05
         told = json.loads(run("info", single, "--json").stdout)
         self.assertAlmostEqual(drag, told["C_D"], delta=0.03)
 
+    def test_a_book_that_is_refused_leaves_the_flows_of_another_alone(self):
+        flat = PLAN.replace("thickness = 1 }", "thickness = 0.4 }").replace("side = 3", "side = 1.5")
+        kept = FOLDER / "kept.h5.checkpoint"
+        for kind in ["energy", "fields"]:
+            # The body fits into the stream at both ends of the box, and is too wide between them.
+            box = f'[box]\nangle_of_attack = ["30 deg", "150 deg"]\n[book]\nkind = "{kind}"\ncertificate_points = 2\n'
+            kept.write_text("flows")
+            result = run("flow", write("wide.toml", flat + box), "-o", FOLDER / "kept.h5", "--fresh")
+            self.check_error(result, 2, "33 % of the stream's width", "a side of at least 2 body lengths")
+            self.assertEqual(kept.read_text(), "flows")
+            kept.unlink()
+            self.check_error(run("flow", write("box.toml", PLAN + box), "-o", FOLDER / "kept.h5", "--resume"), 2,
+                             "--resume: there is no", "kept.h5.checkpoint to go on from")
+
     def test_a_book_of_fields_is_asked_drawn_and_exported_at_an_angle(self):
         small = PLAN.replace("before = 3, behind = 6, side = 3", "before = 1.5, behind = 2, side = 1.5").replace(
             "cells_per_length = 6", "cells_per_length = 4").replace("thickness = 1 }", "thickness = 0.5 }")
