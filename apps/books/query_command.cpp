@@ -34,14 +34,6 @@ using Labels = std::vector<pgd::OutputLabel>;
 
 using Coordinates = std::vector<codebooks::Coordinate>;
 
-/// Whether a point of a mesh is asked for, instead of one of its nodes.
-bool asks_for_place(const Codebook& book, const QueryArguments& arguments) {
-  if (book.mesh() == nullptr) return false;
-  return std::ranges::any_of(arguments.set, [&](const std::string& text) {
-    return std::ranges::count(book.mesh()->directions(), text.substr(0, text.find('='))) > 0;
-  });
-}
-
 /// Of a point in each row: values, then gradients (output by output, coordinate by coordinate).
 using Answers = io::NumberTable::Rows;
 
@@ -86,8 +78,9 @@ Answers batch_answer(codebooks::Query query, const QueryPoints& points, bool gra
 }
 
 /// As CSV, to the file or part by part to stdout.
-void write_csv(const std::string& path, const Coordinates& coordinates, const Labels& outputs,
-               const QueryPoints& points, const Answers& table, bool gradient) {
+void write_csv(const std::string& path, const Labels& outputs, const QueryPoints& points,
+               const Answers& table, bool gradient) {
+  const Coordinates& coordinates = points.coordinates;
   if (table.array().isInf().any()) throw ArgumentError("an answer is infinite, which a table cannot hold");
   std::vector<std::string> header;
   for (const codebooks::Coordinate& c : coordinates) header.push_back(fmt::format("{}[{}]", c.name, c.unit));
@@ -115,8 +108,9 @@ void write_csv(const std::string& path, const Coordinates& coordinates, const La
   write_answer(path, text);
 }
 
-Json values_json(const Codebook& book, const Coordinates& coordinates, const Labels& outputs,
-                 const QueryPoints& points, const Answers& table, bool gradient, bool composed) {
+Json values_json(const Codebook& book, const Labels& outputs, const QueryPoints& points, const Answers& table,
+                 bool gradient, bool composed) {
+  const Coordinates& coordinates = points.coordinates;
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-query/1"},
                  {"coordinates", Json::object()},
@@ -142,15 +136,14 @@ Json values_json(const Codebook& book, const Coordinates& coordinates, const Lab
   return object;
 }
 
-void write(const QueryArguments& arguments, const Codebook& book, const Coordinates& coordinates,
-           const Labels& outputs, const QueryPoints& points, const Answers& table) {
+void write(const QueryArguments& arguments, const Codebook& book, const Labels& outputs,
+           const QueryPoints& points, const Answers& table) {
   if (arguments.json) {
     const bool composed = !arguments.until.empty();
-    write_answer(
-        arguments.output,
-        values_json(book, coordinates, outputs, points, table, arguments.gradient, composed).dump() + "\n");
+    write_answer(arguments.output,
+                 values_json(book, outputs, points, table, arguments.gradient, composed).dump() + "\n");
   } else {
-    write_csv(arguments.output, coordinates, outputs, points, table, arguments.gradient);
+    write_csv(arguments.output, outputs, points, table, arguments.gradient);
   }
 }
 
@@ -163,7 +156,7 @@ std::optional<Codebook> second_of(const QueryArguments& arguments) {
 
 /// The states at times of any length, by the flow map of the codebook.
 int run_composed(const QueryArguments& arguments, const Codebook& book) {
-  const QueryPoints points = points_of(book, book.coordinates(), arguments);
+  const QueryPoints points = points_of(book, arguments);
   const std::optional<Codebook> second = second_of(arguments);
   const auto family = codebooks::flow_map_trajectories(book, second ? &*second : nullptr);
   const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
@@ -175,7 +168,7 @@ int run_composed(const QueryArguments& arguments, const Codebook& book) {
   Labels outputs;
   for (const models::FamilyOutput& output : family->info().outputs)
     outputs.push_back({output.name, output.unit});
-  write(arguments, book, book.coordinates(), outputs, points, result.values);
+  write(arguments, book, outputs, points, result.values);
   if (result.outcome) return kDone;
   warn(fmt::format("{}; values after t = {:.6g} are empty", result.outcome.message, result.outcome.reached));
   return kOutsideBox;
@@ -189,7 +182,7 @@ int run_animated(const QueryArguments& arguments, const Codebook& book) {
     throw ArgumentError("a .glb or .usda holds one motion: no --points was expected");
   const auto model = codebooks::known_model(book.model());
   if (!model) throw ArgumentError(fmt::format("{} is of a program, which moves no body", arguments.book));
-  const QueryPoints points = points_of(book, book.coordinates(), arguments);
+  const QueryPoints points = points_of(book, arguments);
   Animation animation{.states = animated_states(model->info()),
                       .body = {},
                       .model = book.model().name,
@@ -232,19 +225,18 @@ int run_query(const QueryArguments& arguments) {
     throw ArgumentError(
         "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
   if (!arguments.until.empty()) return run_composed(arguments, book);
-  const bool in_mesh = asks_for_place(book, arguments);
-  const Coordinates coordinates = in_mesh ? codebooks::PlaceQuery(book).coordinates() : book.coordinates();
-  const QueryPoints points = points_of(book, coordinates, arguments);
+  const QueryPoints points = points_of(book, arguments);
   for (const std::string& name : points.clamped)
     warn(fmt::format("{} was moved to the border of the box", name));
   codebooks::DerivedQuery query(book);
   const Labels outputs = query.outputs();
   const Eigen::Index count = std::ssize(outputs);
-  const bool at_once = points.table && !in_mesh && count == book.output_count();  // none is derived
-  const Answers table = at_once   ? batch_answer(codebooks::Query(book), points, arguments.gradient)
-                        : in_mesh ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
-                                  : answer(std::move(query), count, points, arguments.gradient);
-  write(arguments, book, coordinates, outputs, points, table);
+  const bool at_once = points.table && !points.of_places && count == book.output_count();  // none is derived
+  const Answers table = at_once ? batch_answer(codebooks::Query(book), points, arguments.gradient)
+                        : points.of_places
+                            ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
+                            : answer(std::move(query), count, points, arguments.gradient);
+  write(arguments, book, outputs, points, table);
   return kDone;
 }
 

@@ -13,6 +13,7 @@
 #include "samara/base/names.h"
 #include "samara/base/unit_labels.h"
 #include "samara/base/units.h"
+#include "samara/codebooks/query/place_query.h"
 #include "samara/io/csv.h"
 #include "samara/io/text_file.h"
 
@@ -56,11 +57,30 @@ struct GivenPoints {
   std::vector<Index> coordinates;  ///< of the columns
 };
 
-GivenPoints given_points(const std::string& path, const std::vector<Coordinate>& coordinates) {
+GivenPoints given_points(const std::string& path) {
   const bool is_stdin = path == "-";
   const std::string file = is_stdin ? "stdin" : path;
   std::string text = io::read_text_file(is_stdin ? "/dev/stdin" : path, {.expected = "a table of points"});
-  GivenPoints given{file, io::NumberTable::parse(std::move(text), file), {}};
+  return {file, io::NumberTable::parse(std::move(text), file), {}};
+}
+
+/// Whether points of a mesh are asked for, instead of its nodes.
+bool asks_for_places(const Codebook& book, const QueryArguments& arguments,
+                     const std::optional<GivenPoints>& given) {
+  if (book.mesh() == nullptr) return false;
+  const auto is_direction = [&](const std::string& name) {
+    return std::ranges::count(book.mesh()->directions(), name) > 0;
+  };
+  return std::ranges::any_of(
+             arguments.set,
+             [&](const std::string& text) { return is_direction(text.substr(0, text.find('='))); }) ||
+         (given && std::ranges::any_of(given->table.header(), [&](const std::string& header) {
+            return is_direction(column_of(header).name);
+          }));
+}
+
+/// Which coordinate each column is.
+void find_columns(GivenPoints& given, const std::vector<Coordinate>& coordinates) {
   std::vector<std::string> known;
   for (const Coordinate& c : coordinates) known.push_back(c.name);
   for (const std::string& header : given.table.header()) {
@@ -76,7 +96,6 @@ GivenPoints given_points(const std::string& path, const std::vector<Coordinate>&
     given.coordinates.push_back(at);
   }
   if (given.table.values().rows() == 0) throw InputError(given.file, "has no rows; points were expected");
-  return given;
 }
 
 /// The unit of a column; none if its numbers are in SI.
@@ -162,10 +181,14 @@ void QueryPoints::append_cells(Index point, std::vector<std::string_view>& cells
   }
 }
 
-QueryPoints points_of(const Codebook& book, const std::vector<Coordinate>& coordinates,
-                      const QueryArguments& arguments) {
+QueryPoints points_of(const Codebook& book, const QueryArguments& arguments) {
   std::optional<GivenPoints> given;
-  if (!arguments.points.empty()) given = given_points(arguments.points, coordinates);
+  if (!arguments.points.empty()) given = given_points(arguments.points);
+  QueryPoints points;
+  points.of_places = asks_for_places(book, arguments, given);
+  points.coordinates = points.of_places ? codebooks::PlaceQuery(book).coordinates() : book.coordinates();
+  const std::vector<Coordinate>& coordinates = points.coordinates;
+  if (given) find_columns(*given, coordinates);
   const auto is_column = [&](Index k) { return given && std::ranges::count(given->coordinates, k) > 0; };
   const bool has_time = book.has_time();
   const auto count = std::ssize(coordinates);
@@ -193,7 +216,6 @@ QueryPoints points_of(const Codebook& book, const std::vector<Coordinate>& coord
               repeats = std::max<Index>(1, std::ssize(times));
   check_count(rows * repeats, count + book.output_count());
 
-  QueryPoints points;
   points.x.resize(rows * repeats, count);
   points.times = repeats;
   points.columns.assign(static_cast<std::size_t>(count), -1);

@@ -15,6 +15,9 @@ namespace samara::apps {
 
 /// Points to ask a codebook for, one row each, and what was moved to get them into the box.
 struct QueryPoints {
+  /// Of the codebook; with the directions of its mesh in place of its nodes where a place is asked for.
+  std::vector<codebooks::Coordinate> coordinates;
+  bool of_places = false;
   io::NumberTable::Rows x;  ///< rows x coordinates, SI
   std::vector<std::string> clamped;
   /// Of --points: every coordinate may differ from row to row; else only time does.
@@ -29,9 +32,7 @@ struct QueryPoints {
 };
 
 /// Those of --set, --at, --frames and --points; with --clamp inside the box.
-/// @param coordinates of the codebook, or with the directions of a mesh in place of its nodes
 /// @throws ArgumentError, InputError for what is missing, unknown or said twice; OutsideBoxError naming the line of a table
-QueryPoints points_of(const codebooks::Codebook& book, const std::vector<codebooks::Coordinate>& coordinates,
-                      const QueryArguments& arguments);
+QueryPoints points_of(const codebooks::Codebook& book, const QueryArguments& arguments);
 
 }  // namespace samara::apps

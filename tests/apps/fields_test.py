@@ -153,6 +153,14 @@ class MeshFields(Case):
         for name, expected in {"u[K]": 2.5, "du/dx[K/m]": 1, "du/dy[K/m]": 2, "du/dk[1]": 1}.items():
             self.assertAlmostEqual(float(row[name]), expected, places=12)
 
+    def test_points_of_the_mesh_are_asked_for_by_a_table(self):
+        table = write("places.csv", "x[cm],y,k\n80,0.7,0.3\n20,0.1,0.5\n")
+        result = run("query", self.BOOK, "--points", table, "--gradient")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        rows = list(csv.DictReader(io.StringIO(result.stdout)))
+        self.assertEqual([round(float(row["u[K]"]), 12) for row in rows], [2.5, 0.9])
+        self.assertEqual([round(float(row["du/dy[K/m]"]), 12) for row in rows], [2, 2])
+
     def test_a_node_is_asked_for_by_its_number(self):
         result = json.loads(run("query", self.BOOK, "--set", "node=3", "--set", "k=0.3", "--json").stdout)
         self.assertEqual(result["coordinates"], {"node": 3.0, "k": 0.3})
