@@ -123,6 +123,11 @@ int run_synthesize(const SynthesizeArguments& arguments) {
   if (motion.status == motion::MotionStatus::cancelled)
     return end_interrupted_search(options, motion.message);
   if (!motion.is_usable()) throw NoResultError(motion.message);
+  if (motion.times.size() < motion::kFewestPoses)
+    throw NoResultError(
+        fmt::format("the fall is over after {} steps, expected {} or more: give a smaller step in "
+                    "[search]",
+                    motion.times.size() - 1, motion::kFewestPoses - 1));
   const codebooks::Codebook book =
       course_codebook(*motion.course, plan.model->info(), others(plan), motion.end);
   if (!arguments.course.empty()) codebooks::save(book, arguments.course);

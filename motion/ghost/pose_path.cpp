@@ -14,7 +14,7 @@ namespace samara::motion {
 
 namespace {
 
-constexpr Eigen::Index kStencil = 2 * kEndFrames + 1;
+constexpr Eigen::Index kStencil = kFewestPoses;
 using StencilMatrix = Eigen::Matrix<double, kStencil, 1>;
 
 const std::array<const char*, 3> kPlanarPose = {"x", "y", "theta"};
@@ -154,16 +154,13 @@ PosePath path_of(const identification::Capture& capture) {
   for (Eigen::Index k = 0; k < path.poses.cols(); ++k) {
     const char* name =
         spatial ? kSpatialPose[static_cast<std::size_t>(k)] : kPlanarPose[static_cast<std::size_t>(k)];
-    const identification::Channel& channel = capture.channel(name);
-    for (Eigen::Index frame = 0; frame < channel.values.size(); ++frame) {
-      if (std::isfinite(channel.values[frame])) continue;
+    const Eigen::VectorXd& values = pose_values(capture, name);
+    for (Eigen::Index frame = 0; frame < values.size(); ++frame) {
+      if (std::isfinite(values[frame])) continue;
       throw ArgumentError(fmt::format("{} was not seen in frame {} of \"{}\", expected it in all frames",
                                       name, frame, capture.id));
     }
-    if (channel.unit == "px") {
-      throw ArgumentError(fmt::format("{} of \"{}\" is in pixels, expected a length", name, capture.id));
-    }
-    path.poses.col(k) = channel.values;
+    path.poses.col(k) = values;
   }
   return path;
 }

@@ -32,6 +32,8 @@ PosePath path_of(const identification::Capture& capture);
 
 /// Frames at each end of which nothing is said of rates.
 inline constexpr Eigen::Index kEndFrames = 3;
+/// Frames that a path has at least.
+inline constexpr Eigen::Index kFewestPoses = 2 * kEndFrames + 1;
 
 /// Velocities of the body's origin and rotation rate in body axes (ux, uy, uz, wx, wy, wz; of a planar motion vx, vy, w)
 /// and their rates, of frames kEndFrames .. frames - 1 - kEndFrames, in rows.

@@ -231,8 +231,8 @@ class PlanReader {
     const std::string key = path->has("file") ? "file" : planar_ ? "side_to_side" : "rose";
     if (path->keys().size() > (path->has("deviation") ? 2U : 1U))
       throw path->error(key, "stands beside another line, expected one of them");
-    plan_.sketch =
-        key == "file" ? read_sketch(folder() / path->string("file"), planar_) : read_formula(*path, key);
+    plan_.sketch = key == "file" ? read_sketch(folder() / path->string("file"), planar_, {length_, time_})
+                                 : read_formula(*path, key);
     if (path->has("deviation"))
       plan_.deviation = positive(*path, "deviation", path->quantity("deviation", length_));
     const double height = plan_.fixed.at(planar_ ? "y(0)" : "z(0)");

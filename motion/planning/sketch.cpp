@@ -105,8 +105,8 @@ Sketch sketch_of(const models::RosePath& path, const Eigen::Vector3d& from, doub
 
 namespace {
 
-/// "x" or "x[cm]". @returns whether there is such a column
-bool read_column(const io::DelimitedTable& table, const std::string& name,
+/// "x" or "x[cm]". @param expected a unit of its dimension  @returns whether there is such a column
+bool read_column(const io::DelimitedTable& table, const std::string& name, const std::string& expected,
                  Eigen::Ref<Eigen::VectorXd> values) {
   for (const std::string& header : table.header()) {
     const std::size_t bracket = header.find('[');
@@ -116,6 +116,9 @@ bool read_column(const io::DelimitedTable& table, const std::string& name,
     const std::size_t end = header.find(']', bracket);
     const std::string text = header.substr(bracket + 1, end == std::string::npos ? end : end - bracket - 1);
     try {
+      if (!same_dimension(text, expected))
+        throw ArgumentError(
+            fmt::format("the column {} is in {}, expected a unit like {}", name, text, expected));
       const Unit unit = parse_unit(text);
       for (double& value : values) value = unit.to_si(value);
     } catch (const ArgumentError& error) {
@@ -128,13 +131,13 @@ bool read_column(const io::DelimitedTable& table, const std::string& name,
 
 }  // namespace
 
-Sketch read_sketch(const std::filesystem::path& path, bool planar) {
+Sketch read_sketch(const std::filesystem::path& path, bool planar, const SketchUnits& units) {
   const io::DelimitedTable table = io::DelimitedTable::read(path);
   const auto rows = static_cast<Eigen::Index>(table.rows());
   Eigen::MatrixX3d points = Eigen::MatrixX3d::Zero(rows, 3);
   Eigen::VectorXd times(rows);
   const auto needed = [&](const std::string& name, Eigen::Index column) {
-    if (read_column(table, name, points.col(column))) return;
+    if (read_column(table, name, units.length, points.col(column))) return;
     throw InputError(
         table.file(), table.line_of_header(),
         fmt::format("has no column {}, expected {}", name,
@@ -147,7 +150,7 @@ Sketch read_sketch(const std::filesystem::path& path, bool planar) {
     needed("y", 1);
     needed("z", 2);
   }
-  if (!read_column(table, "t", times)) times.resize(0);
+  if (!read_column(table, "t", units.time, times)) times.resize(0);
   for (Eigen::Index k = 0; k < rows; ++k) {
     if (points.row(k).allFinite() && (times.size() == 0 || std::isfinite(times[k]))) continue;
     throw table.error(static_cast<std::size_t>(k), "a cell is empty, expected numbers");

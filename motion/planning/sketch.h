@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -55,10 +56,15 @@ class Sketch {
 Sketch sketch_of(const models::SideToSidePath& path, const Eigen::Vector3d& from, double bottom);
 Sketch sketch_of(const models::RosePath& path, const Eigen::Vector3d& from, double bottom);
 
+/// Those of a model whose fall follows a sketch.
+struct SketchUnits {
+  std::string length = "m", time = "s";
+};
+
 /// Columns x, z (or x, y in a plane, y up), or x, y, z; t, if it is timed. Units stand in the header, "x[cm]"; SI where
 /// they do not.
 /// @param planar whether y, and not z, is up
-/// @throws InputError with file and line
-Sketch read_sketch(const std::filesystem::path& path, bool planar);
+/// @throws InputError with file and line, also for a unit of another dimension than the model's
+Sketch read_sketch(const std::filesystem::path& path, bool planar, const SketchUnits& units = {});
 
 }  // namespace samara::motion

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/units.h"
 #include "samara/identification/smoothing/continuous_angles.h"
 
 namespace samara::motion {
@@ -21,15 +22,6 @@ using identification::Capture;
 Eigen::Vector3d normal_of(double w, double x, double y, double z) {
   const double scale = 1.0 / (w * w + x * x + y * y + z * z);
   return scale * Eigen::Vector3d(2.0 * (x * z + w * y), 2.0 * (y * z - w * x), w * w - x * x - y * y + z * z);
-}
-
-Eigen::VectorXd metres(const Capture& capture, const std::string& quantity) {
-  const identification::Channel& channel = capture.channel(quantity);
-  if (channel.unit == "px") {
-    throw ArgumentError(fmt::format("capture \"{}\": {} is in pixels, expected a scale in its sidecar",
-                                    capture.id, quantity));
-  }
-  return channel.values;
 }
 
 void require_rows(Eigen::Index rows, Eigen::Index frames, const char* what) {
@@ -96,12 +88,26 @@ double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, int order, int 
   return 1.4826 * *middle / std::sqrt(squares);
 }
 
+const Eigen::VectorXd& pose_values(const Capture& capture, const std::string& quantity) {
+  const identification::Channel& channel = capture.channel(quantity);
+  if (channel.unit == "px") {
+    throw ArgumentError(fmt::format("capture \"{}\": {} is in pixels, expected a scale in its sidecar",
+                                    capture.id, quantity));
+  }
+  const bool is_place = quantity == "x" || quantity == "y" || quantity == "z";
+  if (!same_dimension(channel.unit, "1") && !(is_place && same_dimension(channel.unit, "m"))) {
+    throw ArgumentError(fmt::format("capture \"{}\": {} is in {}, expected {}", capture.id, quantity,
+                                    channel.unit, is_place ? "a length" : "an angle or a plain number"));
+  }
+  return channel.values;
+}
+
 MotionRecord record_of(const Capture& capture, double length) {
   const bool spatial = capture.has("z");
   Eigen::MatrixXd columns(capture.frame_count(), 3);
-  columns.col(0) = metres(capture, "x");
-  columns.col(1) = spatial ? metres(capture, "y") : Eigen::VectorXd::Zero(capture.frame_count());
-  columns.col(2) = metres(capture, spatial ? "z" : "y");
+  columns.col(0) = pose_values(capture, "x");
+  columns.col(1) = spatial ? pose_values(capture, "y") : Eigen::VectorXd::Zero(capture.frame_count());
+  columns.col(2) = pose_values(capture, spatial ? "z" : "y");
   const bool has_normals = spatial && capture.has("qw");
   const bool has_angles = !spatial && capture.has("theta");
   Eigen::MatrixX4d attitudes;
@@ -109,9 +115,9 @@ MotionRecord record_of(const Capture& capture, double length) {
     attitudes.resize(capture.frame_count(), 4);
     const std::array names = {"qw", "qx", "qy", "qz"};
     for (std::size_t k = 0; k < names.size(); ++k)
-      attitudes.col(static_cast<Eigen::Index>(k)) = capture.channel(names[k]).values;
+      attitudes.col(static_cast<Eigen::Index>(k)) = pose_values(capture, names[k]);
   }
-  const Eigen::VectorXd theta = has_angles ? capture.channel("theta").values : Eigen::VectorXd();
+  const Eigen::VectorXd theta = has_angles ? pose_values(capture, "theta") : Eigen::VectorXd();
   std::vector<Eigen::Index> seen;
   for (Eigen::Index k = 0; k < capture.frame_count(); ++k) {
     if (columns.row(k).allFinite() && (!has_normals || attitudes.row(k).allFinite()) &&

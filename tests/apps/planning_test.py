@@ -216,6 +216,7 @@ class Planning(Case):
                           'angular_frequency = 5 }'), "goes down"),
             (text.replace('file = "s.csv"', 'file = "s.csv"\nside_to_side = { descent_speed = 1 }'), "one of them"),
             (text.replace('file = "s.csv"', 'rose = { descent_speed = 1 }'), "rose"),
+            (text.replace("s.csv", write("seconds.csv", "x[mm],y[s]\n0,300\n0,0\n").name), "seconds.csv:1: the column y is in s"),
         ]:
             result = run("synthesize", write("wrong.toml", changed), "-o", FOLDER / "wrong.glb")
             self.assertEqual(result.returncode, 3, result.stderr)
@@ -224,6 +225,11 @@ class Planning(Case):
         empty = write("empty.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")
         self.check_error(run("synthesize", FOLDER / "motion.toml", "-o", FOLDER / "wrong.glb", "--body", empty, "--unit", "mm"), 3, "empty.obj")
         self.assertFalse((FOLDER / "wrong.glb").exists())
+        short = text.replace("[body]", 'duration = "0.5 ms"\n[body]', 1)
+        self.check_error(run("synthesize", write("short.toml", short), "-o", FOLDER / "short.csv"), 4, "a smaller step in [search]")
+        self.assertFalse((FOLDER / "short.csv").exists())
+        turned = write("turned.csv", files["csv"].read_text().replace("theta[rad]", "theta[m]", 1))
+        self.check_error(run("ghost", "falling_plate", turned, "--coefficients", files["h5"]), 3, "theta is in m")
         for more, code in [(["--box", "C_t=1..2"], 2), (["--box", "density=1..2"], 2), (["--box", "C_T=2..1"], 2)]:
             self.assertEqual(run("ghost", "falling_plate", files["csv"], *PLATE, *more).returncode, code)
 

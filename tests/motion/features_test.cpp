@@ -247,6 +247,10 @@ TEST_CASE("captures become records, with the frames that were not seen left out 
   CHECK(error_text<samara::ArgumentError>([&] {
           record_of(capture);
         }).find("capture \"drop\": x is in pixels") != std::string::npos);
+  capture.channels[0].unit = "s";
+  CHECK(error_text<samara::ArgumentError>([&] {
+          record_of(capture);
+        }).find("capture \"drop\": x is in s, expected a length") != std::string::npos);
 }
 
 TEST_CASE("frames that were not seen leave features as they are, and gaps of many frames are refused") {
