@@ -273,6 +273,8 @@ def _air(air: Union[Wind, Wake, Turbulence], radius: Optional[float]) -> dict[st
     if isinstance(air, Wind):
         return {"kind": "wind", "file": air.path, "radius": radius}
     if isinstance(air, Wake):
+        if not isinstance(air.flow, Flow):
+            raise ArgumentError(f"the flow of the wake is of the type {type(air.flow).__name__}, expected one of samara.Flow.open()")
         if air.outside not in ("end", "stream"):
             raise ArgumentError(f"outside is {air.outside!r}, expected 'end' or 'stream'")
         return {

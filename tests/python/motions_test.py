@@ -331,6 +331,8 @@ def test_a_flow_is_the_arrays_of_its_file_and_bodies_fly_in_its_wake(tmp_path):
         np.testing.assert_array_equal(flown["stream"].mean, file["mean"][:])
     with pytest.raises(samara.ArgumentError, match="outside is 'sides', expected 'end' or 'stream'"):
         samara.realise("sphere_flight_in_gusts", values, times, samara.Wake(flow, 2, 0.1, outside="sides"), 4)
+    with pytest.raises(samara.ArgumentError, match="of the type str, expected one of samara.Flow.open"):
+        samara.realise("sphere_flight_in_gusts", values, times, samara.Wake("wake.h5", 2, 0.1), 4)
 
 
 MOTIONS = {
