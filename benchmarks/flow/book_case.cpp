@@ -40,8 +40,8 @@ max_time = 1000
 angle_of_attack = ["30 deg", "90 deg"]
 log10_reynolds = [4, 5]
 [book]
-max_calls = 24
-certificate_points = 6
+max_calls = 40
+certificate_points = 8
 )";
 }
 
