@@ -35,10 +35,11 @@ class LineNodes {
   using Values = std::function<Eigen::MatrixXd(const Eigen::MatrixXd& points)>;
   using AxisOf = std::function<pgd::Axis(Eigen::Index coordinate, int nodes)>;
 
-  static constexpr int kMostLine = 129;    ///< nodes of a line
-  static constexpr int kMostFront = 1025;  ///< nodes of a line with a front
+  static constexpr int kMostLine = 129;             ///< nodes of a line
+  static constexpr int kMostNodes = kMostLine - 1;  ///< of a polynomial: lines must show that it takes more
+  static constexpr int kMostFront = 1025;           ///< nodes of a line with a front
 
-  /// @param max_nodes at most kMostLine
+  /// @param max_nodes at most kMostNodes
   LineNodes(AxisOf axis_of, Values values, int max_nodes);
 
   /// To be called for the coordinates in their order, and then again for any: what all looks have seen counts.

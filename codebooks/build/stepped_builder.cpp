@@ -359,8 +359,8 @@ class SteppedBuild {
           {Termination::exhausted,
            fmt::format("{}; {}",
                        described(*front, source_.coordinates, source_.outputs, times_, source_.time_unit),
-                       front->allowed == LineNodes::kMostLine ? "steps take no more"
-                                                              : "the nodes allowed do not suffice")});
+                       front->allowed == LineNodes::kMostNodes ? "steps take no more"
+                                                               : "the nodes allowed do not suffice")});
     }
     const bool are_nodes_used_up = (state_.round > 1 || grid_.has_elements()) && is_same_grid;
     if (state_.are_ranks_used_up || are_nodes_used_up) {

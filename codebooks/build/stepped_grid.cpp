@@ -16,7 +16,6 @@ namespace {
 using Eigen::Index;
 
 constexpr int kLines = 32;
-constexpr int kMaxNodes = 128;
 constexpr int kMaxElementNodes = 512;
 /// In a box with elements, a coordinate whose polynomial takes more nodes than these is tried in elements, too.
 constexpr int kLongBesideElements = 64;
@@ -47,7 +46,7 @@ SteppedGrid::SteppedGrid(const Plan& plan, const std::vector<pgd::Axis::Label>& 
             return pgd::Axis::chebyshev(coordinates[place], plan.box[place].lower, plan.box[place].upper,
                                         nodes);
           },
-          values_, std::min(plan.builder.max_nodes.value_or(kMaxNodes), LineNodes::kMostLine)) {}
+          values_, std::min(plan.builder.max_nodes.value_or(LineNodes::kMostNodes), LineNodes::kMostNodes)) {}
 
 void SteppedGrid::look_along_lines(pgd::Random& random) {
   for (Index k = 0; k < coordinates(); ++k) {

@@ -291,6 +291,13 @@ TEST_CASE("a state of steps with a number too many, other times or another grid 
   CHECK_THAT(refused(other_times), Contains("other times") && Contains("--fresh begins anew"));
 }
 
+TEST_CASE("nodes that a plan allows beyond those of polynomials are for elements") {
+  const BuildResult result = built_by_steps(parting(kSteps + "max_nodes = 600\n"));
+  INFO(result.message << "; " << result.book.build().message);
+  CHECK(result.met);
+  CHECK_THAT(result.book.build().message, Contains("elements along x(0)"));
+}
+
 TEST_CASE("a front that moves is followed by elements, by values, derivatives and means") {
   const BuildResult result = built_by_steps(parting(kSteps));
   INFO(result.message << "; " << result.book.build().message);
