@@ -79,7 +79,8 @@ Eigen::MatrixX3d follow_blimp(const BlimpAhead& flights, const std::vector<Blimp
   parallel_for(flights.flights.size(), [&](std::size_t flight) {
     Follower follower(blimp_model(), with_noise(options[flight], choice));
     const samara::identification::Capture& capture = flights.flights[flight].capture;
-    const Eigen::MatrixXd values = samara::identification::frames_of(follower, capture);
+    const Eigen::MatrixXd values =
+        samara::identification::frames_of(follower, blimp_model()->info(), capture);
     Eigen::RowVectorXd frame(values.cols());
     Eigen::Index added = 0;
     for (std::size_t k = 0; k < moments.size(); ++k) {

@@ -13,6 +13,7 @@
 #include "samara/base/require.h"
 #include "samara/identification/problem/known_values.h"
 #include "samara/identification/problem/measurement.h"
+#include "samara/identification/problem/segments.h"
 
 namespace samara::identification {
 
@@ -215,7 +216,7 @@ FollowOptions follow_options(const models::Model& model, const FitResult& fitted
   return options;
 }
 
-Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture) {
+Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& info, const Capture& capture) {
   const std::vector<std::string>& measured = follower.measured();
   Eigen::MatrixXd values =
       Eigen::MatrixXd::Constant(capture.times.size(), std::ssize(measured), kNotFollowed);
@@ -223,13 +224,25 @@ Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture) {
   for (std::size_t k = 0; k < measured.size(); ++k) {
     if (!capture.has(measured[k])) continue;
     any = true;
-    values.col(static_cast<Eigen::Index>(k)) = capture.channel(measured[k]).values;
+    values.col(static_cast<Eigen::Index>(k)) =
+        compared_channel(capture, measured[k], unit_of(info, measured[k])).values;
   }
   if (!any) {
     throw ArgumentError(fmt::format("the capture \"{}\" measures nothing of what is followed: {}", capture.id,
                                     join(measured)));
   }
   return values;
+}
+
+void check_steps(const FollowOptions& options, const Capture& capture, double ahead) {
+  constexpr double kMostSteps = 1e8;
+  const auto frames = static_cast<double>(capture.times.size());
+  const double covered = (frames > 0.0 ? capture.times[capture.times.size() - 1] : 0.0) + frames * ahead;
+  if (covered <= kMostSteps * options.step) return;
+  throw ArgumentError(fmt::format(
+      "steps of {} s through \"{}\", {} s ahead of each frame, are more than {:.0e}; a longer step or less "
+      "ahead was expected",
+      options.step, capture.id, ahead, kMostSteps));
 }
 
 FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOptions& options,
@@ -248,7 +261,8 @@ FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOp
   FollowOptions remembered = options;
   remembered.remember = true;
   Follower follower(model, remembered);
-  const Eigen::MatrixXd values = frames_of(follower, capture);
+  check_steps(options, capture, ahead);
+  const Eigen::MatrixXd values = frames_of(follower, info, capture);
   const Eigen::Index rows = capture.times.size(), columns = std::ssize(motion.names);
   for (Eigen::MatrixXd* table :
        {&motion.values, &motion.errors, &motion.smoothed_values, &motion.smoothed_errors})

@@ -48,8 +48,12 @@ struct FollowedMotion {
 };
 
 /// Values of a frame in the order of Follower::measured(), NaN where the capture has no such channel.
-/// @throws ArgumentError if it measures none of them
-Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture);
+/// @throws ArgumentError if it measures none of them; ArgumentError or InputError for one in a unit of another dimension
+Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& info, const Capture& capture);
+
+/// @param ahead s, of the forecast beyond each frame
+/// @throws ArgumentError if these are more steps than anybody waits for
+void check_steps(const FollowOptions& options, const Capture& capture, double ahead);
 
 /// @param ahead s; 0: no forecasts
 /// @throws ArgumentError as Follower and Follower::add(), and for a time ahead that is negative

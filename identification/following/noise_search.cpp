@@ -62,7 +62,8 @@ double log_density(const Forecast& forecast, const Eigen::RowVectorXd& seen,
 Score score_capture(const std::shared_ptr<const models::Model>& model, const FollowOptions& options,
                     const Capture& capture, const NoiseSearch& search) {
   Follower follower(model, options);
-  const Eigen::MatrixXd values = frames_of(follower, capture);
+  check_steps(options, capture, 0.0);  // forecasts of other frames go no farther than these
+  const Eigen::MatrixXd values = frames_of(follower, model->info(), capture);
   std::vector<double> periods;
   const FollowedModel followed(model, options);
   for (const SeenOutput& output : followed.measured()) periods.push_back(output.period);

@@ -19,34 +19,6 @@ namespace samara::identification {
 
 namespace {
 
-/// @throws ArgumentError or InputError unless the capture measures it, in its unit, in every frame or NaN.
-const Channel& compared_channel(const Capture& capture, const std::string& name, const std::string& unit) {
-  if (!capture.has(name)) {
-    std::vector<std::string> known;
-    for (const Channel& candidate : capture.channels) known.push_back(candidate.quantity);
-    refuse(capture.file, fmt::format("capture \"{}\" does not measure \"{}\"{}", capture.id, name,
-                                     suggestion(name, known)));
-  }
-  const Channel& channel = capture.channel(name);
-  if (!same_dimension(channel.unit, unit)) {
-    refuse(capture.file,
-           fmt::format("capture \"{}\" measures \"{}\" in {}; {} was expected{}", capture.id, name,
-                       channel.unit, unit, channel.unit == "px" ? ", from a [scale] in its sidecar" : ""));
-  }
-  if (channel.values.size() != capture.times.size()) {
-    refuse(capture.file,
-           fmt::format("capture \"{}\" has {} values of \"{}\"; one for each of its {} frames was expected",
-                       capture.id, channel.values.size(), name, capture.times.size()));
-  }
-  if (channel.values.array().isInf().any()) {
-    refuse(capture.file,
-           fmt::format("capture \"{}\" has an infinite value of \"{}\"; finite numbers, or NaN for a "
-                       "missing one, were expected",
-                       capture.id, name));
-  }
-  return channel;
-}
-
 /// What a capture holds for the fit, frame by frame.
 class Frames {
  public:
@@ -386,6 +358,33 @@ void add_segments(const models::FamilyInfo& family, std::span<const Capture> cap
   }
   if (options.solver.step) check_steps(problem, *options.solver.step);
   find_clusters(options.uncertainty.cluster_by, problem);
+}
+
+const Channel& compared_channel(const Capture& capture, const std::string& name, const std::string& unit) {
+  if (!capture.has(name)) {
+    std::vector<std::string> known;
+    for (const Channel& candidate : capture.channels) known.push_back(candidate.quantity);
+    refuse(capture.file, fmt::format("capture \"{}\" does not measure \"{}\"{}", capture.id, name,
+                                     suggestion(name, known)));
+  }
+  const Channel& channel = capture.channel(name);
+  if (!same_dimension(channel.unit, unit)) {
+    refuse(capture.file,
+           fmt::format("capture \"{}\" measures \"{}\" in {}; {} was expected{}", capture.id, name,
+                       channel.unit, unit, channel.unit == "px" ? ", from a [scale] in its sidecar" : ""));
+  }
+  if (channel.values.size() != capture.times.size()) {
+    refuse(capture.file,
+           fmt::format("capture \"{}\" has {} values of \"{}\"; one for each of its {} frames was expected",
+                       capture.id, channel.values.size(), name, capture.times.size()));
+  }
+  if (channel.values.array().isInf().any()) {
+    refuse(capture.file,
+           fmt::format("capture \"{}\" has an infinite value of \"{}\"; finite numbers, or NaN for a "
+                       "missing one, were expected",
+                       capture.id, name));
+  }
+  return channel;
 }
 
 void check_capture(const Capture& capture, const FitProblem& problem) {

@@ -15,6 +15,9 @@ namespace samara::identification {
 void add_segments(const models::FamilyInfo& family, std::span<const Capture> captures,
                   const FitOptions& options, FitProblem& problem);
 
+/// @throws ArgumentError or InputError unless the capture measures it, in its unit, in every frame or NaN.
+const Channel& compared_channel(const Capture& capture, const std::string& name, const std::string& unit);
+
 /// @throws ArgumentError or InputError unless the capture measures what is compared.
 void check_capture(const Capture& capture, const FitProblem& problem);
 

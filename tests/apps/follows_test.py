@@ -92,10 +92,16 @@ class Follows(Case):
         track, fit = self.fall("c.csv", 0.15), self.fitted()
         self.check_error(run("follow", "falling_plate", fit, track), 3, 'a fit of the model "vertical_fall"')
         self.check_error(run("follow", "vertical_fall", fit, track, "--ahead", "-1"), 2, "--ahead is -1")
+        self.check_error(run("follow", "vertical_fall", fit, track, "--ahead", "1e9"), 2, "1000000000 s ahead", "a longer step or less ahead")
+        self.check_error(run("follow", "vertical_fall", fit, track, "--step", "1e-12", "--train", FOLDER / "a.csv"), 2, "steps of 1e-12 s", "a longer step")
         self.check_error(run("follow", "vertical_fall", fit, track, "--noise", "y=1"), 2, 'no output "y"')
         self.check_error(run("follow", "vertical_fall", track, track), 3, "the JSON of a fit")
         self.check_error(run("follow", "vertical_fall", fit, track, "--train", FOLDER / "a.csv", track), 3, "is the track that is followed")
         self.check_error(run("follow", "vertical_fall", fit, write("other.csv", "t[s],y[m]\n0,0\n0.1,0\n0.2,0\n")), 2, "measures nothing")
+        pixels = write("pixels.csv", track.read_text().replace("x[m]", "x[px]", 1))
+        self.assertIn("x[px]", pixels.read_text())
+        self.check_error(run("follow", "vertical_fall", fit, pixels), 3, 'measures "x" in px; m was expected')
+        self.check_error(run("follow", "vertical_fall", fit, track, "--train", pixels), 3, 'measures "x" in px; m was expected')
 
 
 if __name__ == "__main__":
