@@ -93,7 +93,8 @@ void add_rows(const ComparedQuantity& quantity, const char* name,
   for (const ComparedPredictor& p : quantity.predictors) {
     const ComparedStatistic& value = p.*statistic;
     const bool is_best_plain = p.is_plain && p.name == best_plain;
-    fmt::format_to(out, "  {:<26} {:>12.4g} {:>24} {:>24}\n", p.name, value.value, shown(value.to_first),
+    fmt::format_to(out, "  {:<26} {:>12} {:>24} {:>24}\n", p.name,
+                   std::isnan(value.value) ? "-" : fmt::format("{:.4g}", value.value), shown(value.to_first),
                    is_best_plain ? "best plain " : shown(value.to_plain));
   }
 }

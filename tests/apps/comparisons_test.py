@@ -98,6 +98,9 @@ class Comparisons(Case):
         self.assertGreater(model["crps"]["value"], 0)
         self.assertIsNone(other["crps"]["value"])
         self.assertIn(position["best_plain_by_crps"], names)
+        table = run("compare", mixed, wrong, "--model", "vertical_fall", "--left-out", self.drops, "--by", "drop").stdout
+        self.assertRegex(table.split("\ncrps ")[1], r"\n  wrong_spans +- +- +- *\n")
+        self.assertNotIn("nan", table)
 
     def test_what_cannot_be_compared_is_refused_in_a_sentence(self):
         def refused(code, sentence, *arguments):
