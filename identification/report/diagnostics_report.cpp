@@ -237,7 +237,7 @@ void add_forecast_table(const FitResult& result, std::back_insert_iterator<std::
   const auto is_known = [](const PredictionScore& p) { return std::isfinite(p.crps); };
   if (std::ranges::none_of(result.predictions, is_known)) return;
   fmt::format_to(out, "\n{:<42} {:<22} {:>12} {:>8} {:>8}  {}\n", "forecast of", "by", "crps", "in 50 %",
-                 "in 90 %", "median less the best baseline's");
+                 "in 90 %", "less best baseline");
   for (const PredictionScore& p : result.predictions) {
     if (!is_known(p)) continue;
     fmt::format_to(out, "{:<42} {:<22} {:>12.4g} {:>6.0f} % {:>6.0f} %  {}\n", with_unit(p.quantity, p.unit),
