@@ -112,7 +112,6 @@ BodyMotion read_motion(const TomlTable& table, int dimensions) {
     }
     motion.text += fmt::format("{}{} = {}", motion.text.empty() ? "" : ", ", key, text);
   }
-  if (motion.text.empty()) throw table.error("", "has no path: expected x, y or angle as an expression in t");
   if (const auto period = table.optional_number("period")) motion.period = positive(table, "period", *period);
   motion.path = [functions](double t) {
     BodyPose pose;
@@ -193,6 +192,8 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
   }
   if (const auto motion = root.optional_table("motion")) {
     flow.motion = read_motion(*motion, dimensions);
+    if (flow.motion->text.empty())
+      throw root.error("motion", "has no path: expected x, y or angle as an expression in t");
     flow.stream = motion->optional_number("stream").value_or(1.0);
     if (!(flow.stream >= 0.0))
       throw motion->error("stream", fmt::format("is {}, expected its speed, not negative", flow.stream));
@@ -205,6 +206,11 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
     plan.end = table.choice("end", {"mean", "steady"}) == "mean" ? FlowEnd::mean : FlowEnd::steady;
   }
   plan.max_time = number_or(table, "max_time", plan.max_time);
+  if (flow.motion && flow.motion->period > plan.max_time)
+    throw root.table("motion").error(
+        "period",
+        fmt::format("is {}, expected at most max_time, {}: no whole period is there to take means over",
+                    flow.motion->period, plan.max_time));
   plan.max_memory = number_or(table, "max_memory", plan.max_memory);
   plan.seed = static_cast<std::uint64_t>(whole(table, "seed", 1, 0, INT64_MAX));
   plan.threads = static_cast<int>(whole(table, "threads", 0, 0, 1024));

@@ -137,7 +137,7 @@ class Flows(Case):
         self.assertLess(told["checks"]["force_disagreement"], 1e-10)
         self.check_error(run("flow", write("far.toml", moving + motion.replace("-0.5", "3")), "-o", FOLDER / "far.h5"), 2, "of a border at t = ")
         self.assertFalse((FOLDER / "far.h5").exists())
-        for line, *words in [('x = "-0.5*sn(t)"', "x", "sn"), ("", "has no path"), ('x = "t"\nstream = -1', "stream", "is -1"),
+        for line, *words in [('x = "-0.5*sn(t)"', "x", "sn"), ("", "motion: has no path"), ('x = "t"\nperiod = 2', "period", "is 2", "at most max_time, 1.5"), ('x = "t"\nstream = -1', "stream", "is -1"),
                              ('x = "t"\nperiod = 0', "period", "is 0"), ('x = "t"\nz = "t"', "z"), ('x = "1 [m]"', "without a unit")]:
             self.check_error(run("flow", write("bad.toml", moving + "[motion]\n" + line), "-o", FOLDER / "bad.h5"), 3, *words)
         self.check_error(run("flow", write("bad.toml", moving.replace("max_time", 'end = "mean"\nmax_time') + motion), "-o", FOLDER / "bad.h5"), 3, "end")
