@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "samara/identification/statistics/baseline_scores.h"
+#include "samara/identification/statistics/covariant_regression.h"
 #include "samara/identification/statistics/kernel_correction.h"
 #include "samara/identification/statistics/recent_motion.h"
 
@@ -28,6 +29,11 @@
 /// back that training moments were seen, along the level velocity and across it; the other components of these; and
 /// the known numbers. It learns what each fifth's motions had left when the others predicted them. A motion seen for
 /// less than three quarters of that way is not corrected, nor are motions with three level components or more.
+///
+/// Motions with two level components have a second prediction, a regression that turns with them
+/// (covariant_regression.h): of the known numbers and of orthogonal polynomials through that whole way, up to degree 6,
+/// of which its kernel sees those up to degree 4. Where each fifth of the training is predicted better by the mean of
+/// both, the mean is what is predicted.
 namespace samara::identification {
 
 /// One moment of a motion: what was seen before it, and where the motion was later.
@@ -49,6 +55,8 @@ class Autoregression {
   bool is_fitted() const { return !without_.empty(); }
   /// Of the linear prediction; it may be none.
   const KernelCorrection& correction() const { return correction_; }
+  /// The second prediction; not fitted where the mean with it does not help.
+  const CovariantRegression& regression() const { return regression_; }
 
   /// Of a motion with the same components. NaN where too few frames were seen.
   Eigen::RowVectorXd predict(const SeenMotion& seen, const Eigen::VectorXd& known) const;
@@ -66,6 +74,9 @@ class Autoregression {
   static constexpr std::size_t kNoPart = static_cast<std::size_t>(-1);
   /// @param without a part of the training; kNoPart: by all of it
   Eigen::RowVectorXd predict(std::size_t without, const SeenMotion& seen, const Eigen::VectorXd& known) const;
+  /// The linear one with its correction.
+  Eigen::RowVectorXd first_prediction(std::size_t without, const SeenMotion& seen,
+                                      const Eigen::VectorXd& known) const;
 
   Components components_ = {};
   Eigen::VectorXd middle_ = {}, width_ = {};  ///< of speeds and known numbers
@@ -74,6 +85,8 @@ class Autoregression {
   std::vector<Weights> without_ = {};        ///< each part
   double way_back_ = 0.0;                    ///< intervals, of the oldest place that the correction sees
   KernelCorrection correction_ = {};
+  Eigen::MatrixXd polynomials_ = {};  ///< of the regression: degrees x places
+  CovariantRegression regression_ = {};
 };
 
 }  // namespace samara::identification

@@ -157,8 +157,8 @@ TEST_CASE("an autoregression of swinging bodies foresees others, whichever way t
 }
 
 TEST_CASE("a mixture leans on a good model, leaves a bad one, and says how far it errs") {
-  const auto unseen = all_asked(5000, 300, 1e-3);
-  const auto good = TrainedForecasts::train(all_asked(0, 120, 1e-3), kLevel);
+  const auto unseen = all_asked(5000, 300, 3e-4);
+  const auto good = TrainedForecasts::train(all_asked(0, 120, 3e-4), kLevel);
   const auto bad = TrainedForecasts::train(all_asked(0, 120, 0.5), kLevel);
   const auto share_of_model = [](const TrainedForecasts& trained) {
     const auto shares = trained.shares();
@@ -361,6 +361,24 @@ TEST_CASE("a corrected forecast turns with the motion, and is its mirror image's
       CHECK((trained.predict_without(3, changed, {}) - expected).norm() < 1e-9);
     }
   }
+}
+
+TEST_CASE(
+    "motions in space have a second prediction, which moves with them, and those in a plane have none") {
+  const Autoregression trained = of_bending(200);
+  REQUIRE(trained.regression().is_fitted());
+  TrainingMoment one = bending(7000).moment;
+  const Eigen::RowVectorXd forecast = trained.predict(one.seen, {});
+  one.seen.positions.array() += 3.0;  // moved, the forecast moves
+  CHECK((trained.predict(one.seen, {}).array() - 3.0 - forecast.array()).abs().maxCoeff() < 1e-9);
+  std::vector<TrainingMoment> in_plane;
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    in_plane.push_back(bending(k).moment);
+    in_plane.back().seen.positions = in_plane.back().seen.positions.rightCols<2>().eval();
+    in_plane.back().next = in_plane.back().next.tail<2>().eval();
+    in_plane.back().seen.up = 1;
+  }
+  CHECK_FALSE(Autoregression::fit(in_plane, {.level = {0}}).regression().is_fitted());
 }
 
 TEST_CASE("the order of training moments does not matter") {
