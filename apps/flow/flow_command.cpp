@@ -88,7 +88,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     fs::remove(flow::finer_checkpoint(options.checkpoint), ignored);
   };
   flow::check_book(plan);  // no plan that is refused takes hours of another with it
-  if (arguments.fresh) forget_flows();
+  if (arguments.fresh || !fs::exists(options.checkpoint, ignored)) forget_flows();
   const auto interrupted = [&] {
     warn(fmt::format("interrupted; {} keeps the flows that were found: the same line goes on from there",
                      options.checkpoint.string()));

@@ -35,7 +35,7 @@ codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::
 /// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points: the
 /// largest over both ends of the box.
 /// @param options as of build_energy_book(); these flows are kept in finer_checkpoint(), which stays
-/// @throws NoResultError if one of these flows is not found
+/// @throws NoResultError if one of these flows is not found; InputError for flows of another plan or solver there
 Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
                                const codebooks::BuildOptions& options);
 

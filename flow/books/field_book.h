@@ -34,7 +34,7 @@ codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::B
 /// Root mean square over the places of what twice the cells change, every output over the range that the book has at
 /// these points or the plan's floor: the larger of both ends of the box.
 /// @param options as of build_field_book(); these flows are kept in finer_checkpoint(), which stays
-/// @throws NoResultError if one of these flows is not found
+/// @throws NoResultError if one of these flows is not found; InputError for flows of another plan or solver there
 Eigen::VectorXd field_discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
                                      const codebooks::BuildOptions& options);
 

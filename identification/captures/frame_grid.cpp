@@ -186,12 +186,12 @@ void check_known(const Capture& capture, double period) {
     throw ArgumentError(
         fmt::format("a frame period is {} s; a finite one of more than 0 was expected", period));
   }
-  // More of them would fit any interval, as a period does whose unit is wrong.
+  // Of more of them, as of a period whose unit is wrong, one always fits.
   constexpr double kSlip = 0.1, kMostPeriods = 100.0;
   const double interval = common_interval(capture.times);
   const double periods = interval / period;
-  if (periods < 1.0 - kSlip || periods > kMostPeriods ||
-      std::abs(periods - std::round(periods)) > kSlip * std::max(1.0, std::round(periods))) {
+  if (periods < 1.0 - kSlip || std::round(periods) > kMostPeriods ||
+      std::abs(periods - std::round(periods)) > kSlip * std::clamp(std::round(periods), 1.0, 3.0)) {
     throw ArgumentError(
         fmt::format("capture \"{}\" has frames {:.5g} ms apart, and a frame period of {:.5g} ms was given; "
                     "one that goes into it a whole number of times, at most {:.0f}, was expected",

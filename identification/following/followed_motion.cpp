@@ -235,9 +235,10 @@ Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& inf
 }
 
 void check_steps(const FollowOptions& options, const Capture& capture, double ahead) {
-  constexpr double kMostSteps = 1e8;
+  constexpr double kMostSteps = 1e10;  // an hour
   const auto frames = static_cast<double>(capture.times.size());
-  const double covered = (frames > 0.0 ? capture.times[capture.times.size() - 1] : 0.0) + frames * ahead;
+  const double covered =
+      (frames > 0.0 ? capture.times[capture.times.size() - 1] - capture.times[0] : 0.0) + frames * ahead;
   if (covered <= kMostSteps * options.step) return;
   throw ArgumentError(fmt::format(
       "steps of {} s through \"{}\", {} s ahead of each frame, are more than {:.0e}; a longer step or less "

@@ -52,7 +52,7 @@ struct FollowedMotion {
 Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& info, const Capture& capture);
 
 /// @param ahead s, of the forecast beyond each frame
-/// @throws ArgumentError if these are more steps than anybody waits for
+/// @throws ArgumentError if these are more than 1e10 steps, which take an hour
 void check_steps(const FollowOptions& options, const Capture& capture, double ahead);
 
 /// @param ahead s; 0: no forecasts

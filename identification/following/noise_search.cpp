@@ -62,7 +62,7 @@ double log_density(const Forecast& forecast, const Eigen::RowVectorXd& seen,
 Score score_capture(const std::shared_ptr<const models::Model>& model, const FollowOptions& options,
                     const Capture& capture, const NoiseSearch& search) {
   Follower follower(model, options);
-  check_steps(options, capture, 0.0);  // forecasts of other frames go no farther than these
+  check_steps(options, capture, search.ahead);
   const Eigen::MatrixXd values = frames_of(follower, model->info(), capture);
   std::vector<double> periods;
   const FollowedModel followed(model, options);

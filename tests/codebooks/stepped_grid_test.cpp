@@ -23,7 +23,7 @@ double front_at(double x, double y, double width) {
 }
 
 /// Over [-1, 1] x [-1, 1], chosen for tanh((x - y/2)/width): with n nodes errors along x fall like exp(-n pi width / 2),
-/// along y half as fast.
+/// along y twice as fast.
 struct FrontGrid {
   explicit FrontGrid(double width, const std::string& builder = "")
       : plan(parse_plan(R"toml([equations]

@@ -83,7 +83,8 @@ TEST_CASE("a frame period that is known is kept, and frames are counted by it") 
   CHECK(largest_fitted > 1e-3 * std::pow(22.0, -1.5));
   const Capture capture = capture_of(Eigen::VectorXd::LinSpaced(9, 0.0, 0.8), {});
   // Longer than what lies between frames: places increase, and the whole clock would be stretched.
-  for (const double wrong : {0.0, -0.1, double{NAN}, double{INFINITY}, 0.2, 0.12, 0.07, 100.0, 1e-4, 1e-300})
+  for (const double wrong : {0.0, -0.1, double{NAN}, double{INFINITY}, 0.2, 0.12, 0.07, 0.1 / 5.5, 0.1 / 20.5,
+                             100.0, 1e-4, 1e-300})
     CHECK_THROWS_AS(on_frame_grid(capture, wrong), samara::ArgumentError);
   // By a period of half as much every second frame is missing.
   CHECK(on_frame_grid(capture, 0.05).dropped_frames == 8);

@@ -364,7 +364,7 @@ TEST_CASE("a corrected forecast turns with the motion, and is its mirror image's
 }
 
 TEST_CASE(
-    "motions in space have a second prediction, which moves with them, and those in a plane have none") {
+    "motions in space have a second prediction, of displacements alone, and those in a plane have none") {
   const Autoregression trained = of_bending(200);
   REQUIRE(trained.regression().is_fitted());
   TrainingMoment one = bending(7000).moment;
