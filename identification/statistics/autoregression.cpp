@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -23,7 +24,8 @@ constexpr double kFarthestBack = 24.0;  ///< intervals, of places that a correct
 constexpr double kLeastSeen = 0.75;     ///< of the way back to these
 // Polynomials of the regression, and those that its kernel sees.
 constexpr Eigen::Index kDegrees = 6, kDegreesInKernel = 4;
-constexpr double kFarthestMiss = 4.0;  ///< median distances
+constexpr std::size_t kFewestMotions = 12;  ///< that teach a regression
+constexpr double kFarthestMiss = 4.0;       ///< median distances
 constexpr double kPenalties[] = {1.0, 3.0, 10.0, 30.0, 100.0, 1000.0};
 
 /// Speeds and known numbers before they are bounded.
@@ -386,7 +388,9 @@ void Autoregression::Steps::add_correction(Autoregression& to, const std::vector
 
 /// If the mean with it predicts parts of the training better than what there is.
 void Autoregression::Steps::add_regression(Autoregression& to, const std::vector<Taught>& taught) {
-  if (taught.empty()) return;
+  std::set<int> motions;
+  for (const Taught& one : taught) motions.insert(one.moment->cluster);
+  if (motions.size() < kFewestMotions) return;
   to.polynomials_ = orthogonal_polynomials(static_cast<Eigen::Index>(std::ceil(to.way_back_)) + 1);
   std::vector<Turning> features, wanted;
   std::vector<std::size_t> parts;

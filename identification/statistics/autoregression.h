@@ -32,8 +32,9 @@
 ///
 /// Motions with two level components have a second prediction, a regression that turns with them
 /// (covariant_regression.h): of the known numbers and of orthogonal polynomials through that whole way, up to degree 6,
-/// of which its kernel sees those up to degree 4. Where the mean of both predicts the fifths better, each from the
-/// others and all moments together, the mean is what is predicted.
+/// of which its kernel sees those up to degree 4. Where twelve motions or more teach (the parts of
+/// fewer say little of another motion), and the mean of both predicts the fifths better, each from the others and all
+/// moments together, the mean is what is predicted.
 namespace samara::identification {
 
 /// One moment of a motion: what was seen before it, and where the motion was later.
