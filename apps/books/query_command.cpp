@@ -46,11 +46,16 @@ Answers answer(AnyQuery query, Eigen::Index outputs, const QueryPoints& points, 
   std::vector<double> x(static_cast<std::size_t>(coordinates));
   for (Eigen::Index i = 0; i < points.x.rows(); ++i) {
     for (Eigen::Index k = 0; k < coordinates; ++k) x[static_cast<std::size_t>(k)] = points.x(i, k);
-    if (gradient) {
-      query.values(x, values, slopes);
-      table.row(i).tail(outputs * coordinates) = slopes.reshaped<Eigen::RowMajor>().transpose();
-    } else {
-      query.values(x, values);
+    try {
+      if (gradient) {
+        query.values(x, values, slopes);
+        table.row(i).tail(outputs * coordinates) = slopes.reshaped<Eigen::RowMajor>().transpose();
+      } else {
+        query.values(x, values);
+      }
+    } catch (const OutsideBoxError& error) {  // in no cell of a mesh
+      if (!points.table) throw;
+      throw OutsideBoxError(points.table->error(i / points.times, error.what()).what());
     }
     table.row(i).head(outputs) = values.transpose();
   }

@@ -5,7 +5,10 @@ import io
 import json
 import math
 import pathlib
+import shutil
 import xml.etree.ElementTree
+
+import h5py
 
 from samara_case import FOLDER, Case, book, main, run, write
 
@@ -160,6 +163,14 @@ class MeshFields(Case):
         rows = list(csv.DictReader(io.StringIO(result.stdout)))
         self.assertEqual([round(float(row["u[K]"]), 12) for row in rows], [2.5, 0.9])
         self.assertEqual([round(float(row["du/dy[K/m]"]), 12) for row in rows], [2, 2])
+
+    def test_a_place_of_a_table_in_no_cell_is_told_with_its_line(self):
+        book = FOLDER / "notch.h5"
+        shutil.copy(self.BOOK, book)
+        with h5py.File(book, "r+") as file:
+            file["mesh/points"][3] = [0.7, 0.7]  # the corner was at 1, 1
+        table = write("notch.csv", "x,y,k\n0.2,0.1,0.5\n0.9,0.8,0.5\n")
+        self.check_error(run("query", book, "--points", table), 5, "notch.csv:3: the point (0.9, 0.8) is in no cell")
 
     def test_a_node_is_asked_for_by_its_number(self):
         result = json.loads(run("query", self.BOOK, "--set", "node=3", "--set", "k=0.3", "--json").stdout)
