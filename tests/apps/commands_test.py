@@ -212,7 +212,7 @@ class FailingCommands(Case):
     def test_one_that_hangs(self):
         file = FOLDER / "pid"
         body = f"    open({str(file)!r}, 'w').write(str(os.getpid()))\n    time.sleep(1000)\n"
-        self.check_failure("hangs", body, "did not end within 2 s and was killed", command='timeout = "2 s"')
+        self.check_failure("hangs", body, "did not end within 6 s and was killed", command='timeout = "6 s"')
         with self.assertRaises(ProcessLookupError):
             os.kill(int(file.read_text()), 0)
 
