@@ -13,7 +13,7 @@
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/fitted_motion.h"
-#include "samara/identification/statistics/baseline_scores.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/step_trajectories.h"

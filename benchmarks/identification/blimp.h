@@ -7,8 +7,8 @@
 
 #include "real_data.h"
 #include "samara/identification/captures/capture.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/statistics/baseline_scores.h"
 
 /// Flights of a miniature blimp with two propellers (Zhu, Cheng, Zhang, IEEE Robot. Autom. Lett. 9 (2024)
 /// 10986-10993), by the model `coefficient_body`. The place of the gondola and the thrusts are known, and

@@ -6,9 +6,9 @@
 
 #include "real_data.h"
 #include "samara/identification/captures/capture.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/statistics/baseline_scores.h"
 #include "samara/models/trajectories/trajectory_family.h"
 
 /// Short windows of measured motions, each with what came after it: coefficients are fitted to the windows of

@@ -8,7 +8,7 @@
 #include "samara/base/parallel.h"
 #include "samara/identification/following/followed_motion.h"
 #include "samara/identification/following/follower.h"
-#include "samara/identification/statistics/forecast_band.h"
+#include "samara/identification/forecasts/forecast_band.h"
 #include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks::prediction {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "identification/windows.h"
-#include "samara/identification/statistics/baseline_scores.h"
-#include "samara/identification/statistics/trained_forecasts.h"
+#include "samara/identification/forecasts/baseline_scores.h"
+#include "samara/identification/forecasts/trained_forecasts.h"
 
 /// Forecasts of one split of the motions, held to what came.
 namespace samara::benchmarks::prediction {

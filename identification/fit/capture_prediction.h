@@ -8,8 +8,8 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/fit/prediction.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 #include "samara/identification/problem/fit_options.h"
-#include "samara/identification/statistics/baseline_scores.h"
 #include "samara/models/trajectories/trajectory_family.h"
 
 /// One capture that was left out of a fit; internal to identification/.

@@ -8,8 +8,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
+#include "samara/identification/forecasts/trained_forecasts.h"
 #include "samara/identification/smoothing/medians.h"
-#include "samara/identification/statistics/trained_forecasts.h"
 
 namespace samara::identification {
 

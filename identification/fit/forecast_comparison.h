@@ -15,7 +15,7 @@
 /// Which model? Forecasts of the same captures by several models, side by side, and beside the baselines.
 ///
 /// Where predictions are made as distributions (PredictionOptions::mixture), each model also stands as "NAME, mixed", the
-/// mixture that its fits train, and all by their continuous ranked probability score (statistics/proper_scores.h).
+/// mixture that its fits train, and all by their continuous ranked probability score (forecasts/proper_scores.h).
 ///
 /// Each model's errors come from cross_validated_errors(), so that no capture helps to predict itself. Compared are the
 /// forecasts that all models make, pair by pair, by their median and their root mean square. The error of a difference

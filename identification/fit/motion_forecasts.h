@@ -8,7 +8,7 @@
 
 #include "samara/identification/fit/capture_prediction.h"
 #include "samara/identification/fit/prediction.h"
-#include "samara/identification/statistics/trained_forecasts.h"
+#include "samara/identification/forecasts/trained_forecasts.h"
 
 /// Forecasts of captures by what training captures showed; internal to identification/.
 namespace samara::identification {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "samara/identification/captures/capture.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/report/read_fit.h"
-#include "samara/identification/statistics/baseline_scores.h"
 #include "samara/models/trajectories/trajectory_family.h"
 
 /// How well fitted coefficients predict captures that were left out of the fit.

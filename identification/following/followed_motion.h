@@ -8,8 +8,8 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/following/follower.h"
+#include "samara/identification/forecasts/forecast_band.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/statistics/forecast_band.h"
 #include "samara/models/interface/model.h"
 
 /// Captures followed with what a fit found (follower.h).

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "samara/identification/following/follow_options.h"
-#include "samara/identification/statistics/forecast.h"
+#include "samara/identification/forecasts/forecast.h"
 #include "samara/models/interface/model.h"
 
 /// A motion followed frame by frame: where it is, which coefficients it has now, and what comes next.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "samara/identification/following/hypothesis.h"
-#include "samara/identification/statistics/forecast.h"
+#include "samara/identification/forecasts/forecast.h"
 
 /// Internal to identification/: what one hypothesis says of later frames.
 namespace samara::identification {

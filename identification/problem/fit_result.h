@@ -8,9 +8,9 @@
 
 #include <Eigen/Core>
 
+#include "samara/identification/forecasts/baseline_scores.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/warnings.h"
-#include "samara/identification/statistics/baseline_scores.h"
 #include "samara/identification/statistics/identifiability.h"
 #include "samara/identification/statistics/profile.h"
 #include "samara/identification/statistics/whiteness.h"

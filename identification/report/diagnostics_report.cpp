@@ -9,7 +9,7 @@
 
 #include "samara/base/rounded.h"
 #include "samara/base/unit_labels.h"
-#include "samara/identification/statistics/trained_forecasts.h"
+#include "samara/identification/forecasts/trained_forecasts.h"
 
 namespace samara::identification {
 

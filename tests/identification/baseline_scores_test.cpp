@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/baseline_scores.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 
 #include <algorithm>
 #include <cmath>

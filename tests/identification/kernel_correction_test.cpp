@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/kernel_correction.h"
+#include "samara/identification/forecasts/kernel_correction.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/proper_scores.h"
+#include "samara/identification/forecasts/proper_scores.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/trained_forecasts.h"
+#include "samara/identification/forecasts/trained_forecasts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
-#include "samara/identification/statistics/point_with_drag.h"
+#include "samara/identification/forecasts/point_with_drag.h"
 
 using namespace samara::identification;
 
@@ -366,7 +366,7 @@ TEST_CASE("a corrected forecast turns with the motion, and is its mirror image's
 TEST_CASE(
     "motions in space have a second prediction, of displacements alone, and those in a plane have none") {
   const Autoregression trained = of_bending(200);
-  REQUIRE(trained.regression().is_fitted());
+  REQUIRE(trained.turning().is_fitted());
   TrainingMoment one = bending(7000).moment;
   const Eigen::RowVectorXd forecast = trained.predict(one.seen, {});
   one.seen.positions.array() += 3.0;  // moved, the forecast moves
@@ -378,7 +378,7 @@ TEST_CASE(
     in_plane.back().next = in_plane.back().next.tail<2>().eval();
     in_plane.back().seen.up = 1;
   }
-  CHECK_FALSE(Autoregression::fit(in_plane, {.level = {0}}).regression().is_fitted());
+  CHECK_FALSE(Autoregression::fit(in_plane, {.level = {0}}).turning().is_fitted());
 }
 
 TEST_CASE("the order of training moments does not matter") {

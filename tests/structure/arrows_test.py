@@ -29,7 +29,7 @@ SUB_ROOMS = {
     ],
     "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files", "books"],
     "identification": [
-        "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
+        "smoothing", "captures/exports", "captures", "forecasts", "statistics", "problem", "pages", "report",
         "solve/starts", "solve", "fit", "following", "design", "series", "petab", "files", "explorer",
     ],
     "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "courses", "ghost", "planning", "pages", "capi"],

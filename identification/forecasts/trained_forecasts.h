@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/autoregression.h"
-#include "samara/identification/statistics/forecast_mixture.h"
-#include "samara/identification/statistics/local_shares.h"
+#include "samara/identification/forecasts/autoregression.h"
+#include "samara/identification/forecasts/forecast_mixture.h"
+#include "samara/identification/forecasts/local_shares.h"
 
 /// Every predictor of a motion at one horizon as a distribution: what it says, and the errors that it showed on
 /// training motions.

@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/trained_forecasts.h"
+#include "samara/identification/forecasts/trained_forecasts.h"
 
 #include <algorithm>
 #include <cmath>

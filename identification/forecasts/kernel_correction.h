@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/recent_motion.h"
+#include "samara/identification/forecasts/recent_motion.h"
 
 /// What a prediction misses, as it missed it in moments like the one that is asked about: ridge regression with a
 /// Gaussian kernel that knows a mirror.

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/autoregression.h"
-#include "samara/identification/statistics/proper_scores.h"
+#include "samara/identification/forecasts/autoregression.h"
+#include "samara/identification/forecasts/proper_scores.h"
 
 /// Forecasts from several predictors, with the errors that they showed on training motions.
 ///

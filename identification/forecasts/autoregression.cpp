@@ -1,14 +1,12 @@
-#include "samara/identification/statistics/autoregression.h"
+#include "samara/identification/forecasts/autoregression.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <set>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -22,10 +20,6 @@ constexpr double kUnsaid = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kParts = 5;       ///< of the clusters
 constexpr double kFarthestBack = 24.0;  ///< intervals, of places that a correction sees
 constexpr double kLeastSeen = 0.75;     ///< of the way back to these
-// Polynomials of the regression, and those that its kernel sees.
-constexpr Eigen::Index kDegrees = 6, kDegreesInKernel = 4;
-constexpr std::size_t kFewestMotions = 12;  ///< that teach a regression
-constexpr double kFarthestMiss = 4.0;       ///< median distances
 constexpr double kPenalties[] = {1.0, 3.0, 10.0, 30.0, 100.0, 1000.0};
 
 /// Speeds and known numbers before they are bounded.
@@ -61,63 +55,6 @@ CorrectionMoment correction_moment(const SeenMotion& seen, const RecentMotion& r
   moment.features.even.conservativeResize(count + known.size());
   moment.features.even.tail(known.size()) = known;
   return moment;
-}
-
-/// Orthogonal polynomials of degree 1 and more on so many places, a row each, their squares 1 together.
-Eigen::MatrixXd orthogonal_polynomials(Eigen::Index places) {
-  const Eigen::Index degrees = std::min(kDegrees, places - 1);
-  Eigen::MatrixXd powers(places, degrees + 1);
-  powers.col(0).setOnes();
-  const Eigen::ArrayXd at = Eigen::ArrayXd::LinSpaced(places, -1.0, 1.0);
-  for (Eigen::Index k = 1; k <= degrees; ++k) powers.col(k) = powers.col(k - 1).array() * at;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> factors(powers);
-  const Eigen::MatrixXd all = factors.householderQ() * Eigen::MatrixXd::Identity(places, degrees + 1);
-  return all.rightCols(degrees).transpose();
-}
-
-/// @param displacements a row each
-Turning turning_of(const Eigen::MatrixXd& displacements, const Components& components) {
-  const std::vector<int> others = others_of(components, displacements.cols());
-  Turning numbers{.level = Eigen::VectorXcd(displacements.rows()),
-                  .others = displacements(Eigen::all, others).reshaped()};
-  numbers.level.real() = displacements.col(components.level[0]);
-  numbers.level.imag() = displacements.col(components.level[1]);
-  return numbers;
-}
-
-/// The one displacement of which these are the numbers.
-Eigen::RowVectorXd displacement_of(const Turning& numbers, const Components& components) {
-  Eigen::RowVectorXd displacement(numbers.others.size() + 2);
-  displacement(others_of(components, displacement.size())) = numbers.others.transpose();
-  displacement[components.level[0]] = numbers.level[0].real();
-  displacement[components.level[1]] = numbers.level[0].imag();
-  return displacement;
-}
-
-Turning regression_features(const SeenMotion& seen, const Eigen::VectorXd& known,
-                            const Components& components, const Eigen::MatrixXd& polynomials,
-                            double way_back) {
-  const Eigen::VectorXd intervals = Eigen::VectorXd::LinSpaced(polynomials.cols(), way_back, 0.0);
-  Turning features = turning_of(polynomials * places_back(seen, intervals), components);
-  const Eigen::Index count = features.others.size();
-  features.others.conservativeResize(count + known.size());
-  features.others.tail(known.size()) = known;
-  return features;
-}
-
-/// Polynomials of the components that do not turn say less of what comes than those of the ones that do.
-CovariantRegression::Weights regression_weights(Eigen::Index degrees, Eigen::Index others,
-                                                Eigen::Index known) {
-  constexpr double kOfOthers = 1.0 / 3.0;
-  const Eigen::Index seen = std::min(kDegreesInKernel, degrees);
-  CovariantRegression::Weights weights{.level = Eigen::VectorXd::Zero(degrees),
-                                       .others = Eigen::VectorXd::Ones(others * degrees + known)};
-  weights.level.head(seen).setOnes();
-  for (Eigen::Index k = 0; k < others; ++k) {
-    weights.others.segment(k * degrees, degrees).setZero();
-    weights.others.segment(k * degrees, seen).setConstant(kOfOthers);
-  }
-  return weights;
 }
 
 /// The terms whose weights are sought.
@@ -198,7 +135,7 @@ struct Autoregression::Steps {
                                             const std::vector<std::size_t>& parts,
                                             const Components& components, double penalty);
   static void add_correction(Autoregression& to, const std::vector<Taught>& taught);
-  static void add_regression(Autoregression& to, const std::vector<Taught>& taught);
+  static void add_turning(Autoregression& to, const std::vector<Taught>& taught);
 };
 
 Eigen::RowVectorXd Autoregression::Steps::moved_by(const Terms& terms, const Weights& weights,
@@ -369,7 +306,7 @@ Autoregression Autoregression::fit(std::span<const TrainingMoment> moments, cons
                           Steps::moved_by(terms[k], result.without_[parts[k]], components)});
   }
   Steps::add_correction(result, taught);
-  if (components.level.size() == 2) Steps::add_regression(result, taught);
+  if (components.level.size() == 2) Steps::add_turning(result, taught);
   return result;
 }
 
@@ -386,42 +323,14 @@ void Autoregression::Steps::add_correction(Autoregression& to, const std::vector
   to.correction_ = KernelCorrection::fit(features, missed, parts);
 }
 
-/// If the mean with it predicts parts of the training better than what there is.
-void Autoregression::Steps::add_regression(Autoregression& to, const std::vector<Taught>& taught) {
-  std::set<int> motions;
-  for (const Taught& one : taught) motions.insert(one.moment->cluster);
-  if (motions.size() < kFewestMotions) return;
-  to.polynomials_ = orthogonal_polynomials(static_cast<Eigen::Index>(std::ceil(to.way_back_)) + 1);
-  std::vector<Turning> features, wanted;
-  std::vector<std::size_t> parts;
-  std::vector<Eigen::RowVectorXd> missed;  // by what there is
-  std::vector<double> distances;
+void Autoregression::Steps::add_turning(Autoregression& to, const std::vector<Taught>& taught) {
+  std::vector<TurningMoment> moments;
   for (const Taught& one : taught) {
     const auto& [cluster, seen, known, next] = *one.moment;
-    features.push_back(regression_features(seen, known, to.components_, to.polynomials_, to.way_back_));
-    parts.push_back(one.part);
-    missed.push_back(next - to.first_prediction(one.part, seen, known));
-    distances.push_back(missed.back().norm());
+    const Eigen::RowVectorXd first = to.first_prediction(one.part, seen, *one.recent, known);
+    moments.push_back({cluster, one.part, &seen, &known, next - one.recent->last, next - first});
   }
-  const double farthest = kFarthestMiss * median(distances);
-  const auto moved = [&](std::size_t k) -> Eigen::RowVectorXd {
-    return taught[k].moment->next - taught[k].recent->last;
-  };
-  for (std::size_t k = 0; k < taught.size(); ++k) {
-    const double drawn_in = distances[k] > farthest ? farthest / distances[k] : 1.0;
-    wanted.push_back(turning_of(moved(k) - (1.0 - drawn_in) * missed[k], to.components_));
-  }
-  CovariantRegression regression = CovariantRegression::fit(
-      features, wanted, parts,
-      regression_weights(to.polynomials_.rows(), moved(0).size() - 2, taught[0].moment->known.size()));
-  if (!regression.is_fitted()) return;
-  double gained = 0.0;
-  for (std::size_t k = 0; k < taught.size(); ++k) {
-    const Eigen::RowVectorXd of_regression =
-        moved(k) - displacement_of(regression.without(parts[k], features[k]), to.components_);
-    gained += distances[k] - 0.5 * (missed[k] + of_regression).norm();
-  }
-  if (gained > 0.0) to.regression_ = std::move(regression);
+  to.turning_ = TurningPrediction::fit(moments, to.components_, to.way_back_);
 }
 
 Eigen::RowVectorXd Autoregression::predict(const SeenMotion& seen, const Eigen::VectorXd& known) const {
@@ -436,33 +345,30 @@ Eigen::RowVectorXd Autoregression::predict_without(int cluster, const SeenMotion
 
 Eigen::RowVectorXd Autoregression::predict(std::size_t without, const SeenMotion& seen,
                                            const Eigen::VectorXd& known) const {
-  const Eigen::RowVectorXd first = first_prediction(without, seen, known);
-  if (!regression_.is_fitted() || !first.allFinite()) return first;
-  const RecentMotion recent = *recent_motion(seen);
-  if (recent.seen_for < kLeastSeen * way_back_) return first;
-  const Turning features = regression_features(seen, known, components_, polynomials_, way_back_);
-  const Turning moved =
-      without == kNoPart ? regression_.at(features) : regression_.without(without, features);
-  return 0.5 * (first + recent.last + displacement_of(moved, components_));
+  const auto recent = is_fitted() ? recent_motion(seen) : std::nullopt;
+  if (!recent) return Eigen::RowVectorXd::Constant(seen.positions.cols(), kUnsaid);
+  const Eigen::RowVectorXd first = first_prediction(without, seen, *recent, known);
+  if (!turning_.is_fitted() || recent->seen_for < kLeastSeen * way_back_) return first;
+  const Eigen::RowVectorXd moved =
+      without == kNoPart ? turning_.moved(seen, known) : turning_.moved_without(without, seen, known);
+  return 0.5 * (first + recent->last + moved);
 }
 
 Eigen::RowVectorXd Autoregression::first_prediction(std::size_t without, const SeenMotion& seen,
+                                                    const RecentMotion& recent,
                                                     const Eigen::VectorXd& known) const {
-  const Eigen::Index count = seen.positions.cols();
-  const auto recent = is_fitted() ? recent_motion(seen) : std::nullopt;
-  if (!recent) return Eigen::RowVectorXd::Constant(count, kUnsaid);
-  const Eigen::VectorXd speeds = speeds_of(*recent, known, components_);
+  const Eigen::VectorXd speeds = speeds_of(recent, known, components_);
   if (speeds.size() != middle_.size()) {
     throw ArgumentError(fmt::format(
         "a motion of {} components and {} known numbers was asked for; as many as in training were expected",
-        count, known.size()));
+        seen.positions.cols(), known.size()));
   }
   const Weights& weights = without == kNoPart ? weights_ : without_[without];
   const Eigen::RowVectorXd linear =
-      recent->last +
-      Steps::moved_by(terms_of(*recent, speeds, middle_, width_, components_), weights, components_);
-  if (!correction_.is_fitted() || recent->seen_for < kLeastSeen * way_back_) return linear;
-  const CorrectionMoment moment = correction_moment(seen, *recent, known, components_, way_back_);
+      recent.last +
+      Steps::moved_by(terms_of(recent, speeds, middle_, width_, components_), weights, components_);
+  if (!correction_.is_fitted() || recent.seen_for < kLeastSeen * way_back_) return linear;
+  const CorrectionMoment moment = correction_moment(seen, recent, known, components_, way_back_);
   return linear + moment.frame.joined(without == kNoPart ? correction_.at(moment.features)
                                                          : correction_.without(without, moment.features));
 }

@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/baseline_scores.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
+#include "samara/identification/forecasts/point_with_drag.h"
 #include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
 #include "samara/identification/smoothing/smoothing.h"
-#include "samara/identification/statistics/point_with_drag.h"
 
 namespace samara::identification {
 

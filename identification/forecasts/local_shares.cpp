@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/local_shares.h"
+#include "samara/identification/forecasts/local_shares.h"
 
 #include <algorithm>
 #include <cmath>

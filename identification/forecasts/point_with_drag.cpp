@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/point_with_drag.h"
+#include "samara/identification/forecasts/point_with_drag.h"
 
 #include <algorithm>
 #include <cmath>

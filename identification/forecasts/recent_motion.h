@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/baseline_scores.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 
 /// What the newest frames of a motion show, and how it looks along its own level velocity.
 namespace samara::identification {

@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/covariant_regression.h"
+#include "samara/identification/forecasts/covariant_regression.h"
 
 #include <algorithm>
 #include <cmath>

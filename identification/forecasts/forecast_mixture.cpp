@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/forecast_mixture.h"
+#include "samara/identification/forecasts/forecast_mixture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/forecasts/local_shares.h"
 #include "samara/identification/smoothing/medians.h"
-#include "samara/identification/statistics/local_shares.h"
 
 namespace samara::identification {
 

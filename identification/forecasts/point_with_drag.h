@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/baseline_scores.h"
+#include "samara/identification/forecasts/baseline_scores.h"
 
 /// Internal to identification/.
 namespace samara::identification {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/proper_scores.h"
+#include "samara/identification/forecasts/proper_scores.h"
 
 /// How well a motion is predicted beyond a span that was seen, beside predictions that know no physics.
 ///

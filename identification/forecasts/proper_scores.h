@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/forecast.h"
+#include "samara/identification/forecasts/forecast.h"
 
 /// Proper scores of forecasts: a distribution that says what it does not know scores best by saying what is
 /// so, neither wider nor narrower.

@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/forecast_band.h"
+#include "samara/identification/forecasts/forecast_band.h"
 
 #include <cmath>
 #include <limits>

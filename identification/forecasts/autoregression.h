@@ -6,10 +6,10 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/baseline_scores.h"
-#include "samara/identification/statistics/covariant_regression.h"
-#include "samara/identification/statistics/kernel_correction.h"
-#include "samara/identification/statistics/recent_motion.h"
+#include "samara/identification/forecasts/baseline_scores.h"
+#include "samara/identification/forecasts/kernel_correction.h"
+#include "samara/identification/forecasts/recent_motion.h"
+#include "samara/identification/forecasts/turning_prediction.h"
 
 /// What the last places of a motion say of the next, as other motions went on: a linear prediction whose
 /// weights are found on training motions, and vary with the motion's speed; and what such a prediction missed in
@@ -30,11 +30,8 @@
 /// the known numbers. It learns what each fifth's motions had left when the others predicted them. A motion seen for
 /// less than three quarters of that way is not corrected, nor are motions with three level components or more.
 ///
-/// Motions with two level components have a second prediction, a regression that turns with them
-/// (covariant_regression.h): of the known numbers and of orthogonal polynomials through that whole way, up to degree 6,
-/// of which its kernel sees those up to degree 4. Where twelve motions or more teach (the parts of
-/// fewer say little of another motion), and the mean of both predicts the fifths better, each from the others and all
-/// moments together, the mean is what is predicted.
+/// Motions with two level components may have a second prediction, which turns with them (turning_prediction.h): what is
+/// predicted is the mean of both then.
 namespace samara::identification {
 
 /// One moment of a motion: what was seen before it, and where the motion was later.
@@ -56,8 +53,8 @@ class Autoregression {
   bool is_fitted() const { return !without_.empty(); }
   /// Of the linear prediction; it may be none.
   const KernelCorrection& correction() const { return correction_; }
-  /// The second prediction; not fitted where the mean with it does not help.
-  const CovariantRegression& regression() const { return regression_; }
+  /// The second prediction; it may be none.
+  const TurningPrediction& turning() const { return turning_; }
 
   /// Of a motion with the same components. NaN where too few frames were seen.
   Eigen::RowVectorXd predict(const SeenMotion& seen, const Eigen::VectorXd& known) const;
@@ -76,7 +73,7 @@ class Autoregression {
   /// @param without a part of the training; kNoPart: by all of it
   Eigen::RowVectorXd predict(std::size_t without, const SeenMotion& seen, const Eigen::VectorXd& known) const;
   /// The linear one with its correction.
-  Eigen::RowVectorXd first_prediction(std::size_t without, const SeenMotion& seen,
+  Eigen::RowVectorXd first_prediction(std::size_t without, const SeenMotion& seen, const RecentMotion& recent,
                                       const Eigen::VectorXd& known) const;
 
   Components components_ = {};
@@ -86,8 +83,7 @@ class Autoregression {
   std::vector<Weights> without_ = {};        ///< each part
   double way_back_ = 0.0;                    ///< intervals, of the oldest place that the correction sees
   KernelCorrection correction_ = {};
-  Eigen::MatrixXd polynomials_ = {};  ///< of the regression: degrees x places
-  CovariantRegression regression_ = {};
+  TurningPrediction turning_ = {};
 };
 
 }  // namespace samara::identification

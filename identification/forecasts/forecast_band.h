@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/statistics/forecast.h"
+#include "samara/identification/forecasts/forecast.h"
 
 /// Mixtures of normal distributions as a mean and a band, number by number.
 namespace samara::identification {

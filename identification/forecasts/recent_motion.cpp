@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/recent_motion.h"
+#include "samara/identification/forecasts/recent_motion.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,120 @@
+#include "samara/identification/forecasts/turning_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include <Eigen/QR>
+
+#include "samara/identification/smoothing/medians.h"
+
+namespace samara::identification {
+
+namespace {
+
+constexpr Eigen::Index kDegrees = 6, kDegreesInKernel = 4;
+constexpr std::size_t kFewestMotions = 12;
+constexpr double kFarthestMiss = 4.0;  // median distances
+
+/// Orthogonal polynomials of degree 1 and more on so many places, a row each, their squares 1 together.
+Eigen::MatrixXd orthogonal_polynomials(Eigen::Index places) {
+  const Eigen::Index degrees = std::min(kDegrees, places - 1);
+  Eigen::MatrixXd powers(places, degrees + 1);
+  powers.col(0).setOnes();
+  const Eigen::ArrayXd at = Eigen::ArrayXd::LinSpaced(places, -1.0, 1.0);
+  for (Eigen::Index k = 1; k <= degrees; ++k) powers.col(k) = powers.col(k - 1).array() * at;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> factors(powers);
+  const Eigen::MatrixXd all = factors.householderQ() * Eigen::MatrixXd::Identity(places, degrees + 1);
+  return all.rightCols(degrees).transpose();
+}
+
+/// @param displacements a row each
+Turning turning_of(const Eigen::MatrixXd& displacements, const Components& components) {
+  const std::vector<int> others = others_of(components, displacements.cols());
+  Turning numbers{.level = Eigen::VectorXcd(displacements.rows()),
+                  .others = displacements(Eigen::all, others).reshaped()};
+  numbers.level.real() = displacements.col(components.level[0]);
+  numbers.level.imag() = displacements.col(components.level[1]);
+  return numbers;
+}
+
+/// The one displacement of which these are the numbers.
+Eigen::RowVectorXd displacement_of(const Turning& numbers, const Components& components) {
+  Eigen::RowVectorXd displacement(numbers.others.size() + 2);
+  displacement(others_of(components, displacement.size())) = numbers.others.transpose();
+  displacement[components.level[0]] = numbers.level[0].real();
+  displacement[components.level[1]] = numbers.level[0].imag();
+  return displacement;
+}
+
+/// Polynomials of the components that do not turn say less of what comes than those of the ones that do.
+CovariantRegression::Weights weights_of(Eigen::Index degrees, Eigen::Index others, Eigen::Index known) {
+  constexpr double kOfOthers = 1.0 / 3.0;
+  const Eigen::Index seen = std::min(kDegreesInKernel, degrees);
+  CovariantRegression::Weights weights{.level = Eigen::VectorXd::Zero(degrees),
+                                       .others = Eigen::VectorXd::Ones(others * degrees + known)};
+  weights.level.head(seen).setOnes();
+  for (Eigen::Index k = 0; k < others; ++k) {
+    weights.others.segment(k * degrees, degrees).setZero();
+    weights.others.segment(k * degrees, seen).setConstant(kOfOthers);
+  }
+  return weights;
+}
+
+}  // namespace
+
+Turning TurningPrediction::features_of(const SeenMotion& seen, const Eigen::VectorXd& known) const {
+  const Eigen::VectorXd intervals = Eigen::VectorXd::LinSpaced(polynomials_.cols(), way_back_, 0.0);
+  Turning features = turning_of(polynomials_ * places_back(seen, intervals), components_);
+  const Eigen::Index count = features.others.size();
+  features.others.conservativeResize(count + known.size());
+  features.others.tail(known.size()) = known;
+  return features;
+}
+
+TurningPrediction TurningPrediction::fit(std::span<const TurningMoment> moments, const Components& components,
+                                         double way_back) {
+  std::set<int> motions;
+  for (const TurningMoment& one : moments) motions.insert(one.motion);
+  if (motions.size() < kFewestMotions) return {};
+  TurningPrediction result;
+  result.components_ = components;
+  result.way_back_ = way_back;
+  result.polynomials_ = orthogonal_polynomials(static_cast<Eigen::Index>(std::ceil(way_back)) + 1);
+  std::vector<double> distances;
+  for (const TurningMoment& one : moments) distances.push_back(one.missed.norm());
+  const double farthest = kFarthestMiss * median(distances);
+  std::vector<Turning> features, wanted;
+  std::vector<std::size_t> parts;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const TurningMoment& one = moments[k];
+    const double drawn_in = distances[k] > farthest ? farthest / distances[k] : 1.0;
+    features.push_back(result.features_of(*one.seen, *one.known));
+    wanted.push_back(turning_of(one.moved - (1.0 - drawn_in) * one.missed, components));
+    parts.push_back(one.part);
+  }
+  const TurningMoment& first = moments.front();
+  result.regression_ = CovariantRegression::fit(
+      features, wanted, parts,
+      weights_of(result.polynomials_.rows(), first.moved.size() - 2, first.known->size()));
+  if (!result.is_fitted()) return {};
+  double gained = 0.0;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const Eigen::RowVectorXd missed =
+        moments[k].moved - displacement_of(result.regression_.without(parts[k], features[k]), components);
+    gained += distances[k] - 0.5 * (moments[k].missed + missed).norm();
+  }
+  return gained > 0.0 ? result : TurningPrediction();
+}
+
+Eigen::RowVectorXd TurningPrediction::moved(const SeenMotion& seen, const Eigen::VectorXd& known) const {
+  return displacement_of(regression_.at(features_of(seen, known)), components_);
+}
+
+Eigen::RowVectorXd TurningPrediction::moved_without(std::size_t part, const SeenMotion& seen,
+                                                    const Eigen::VectorXd& known) const {
+  return displacement_of(regression_.without(part, features_of(seen, known)), components_);
+}
+
+}  // namespace samara::identification
