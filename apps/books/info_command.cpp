@@ -81,6 +81,18 @@ Json group_json(const codebooks::GroupOutline& group) {
   return object;
 }
 
+std::string name_of(const Codebook& book, int place) {
+  return book.coordinates()[static_cast<std::size_t>(place)].name;
+}
+
+/// Of the coordinates that a front moves with.
+std::vector<std::string> names_of_others(const Codebook& book, const codebooks::FrontMap& front) {
+  std::vector<std::string> names;
+  for (const codebooks::FrontMap::Other& other : front.others())
+    names.push_back(name_of(book, other.coordinate));
+  return names;
+}
+
 Json book_json(const Codebook& book, const std::string& path) {
   const Outlines outlines = outlines_of(book);
   const Numbers numbers = count(outlines);
@@ -122,6 +134,10 @@ Json book_json(const Codebook& book, const std::string& path) {
                       {"nodes", mesh->node_count()},
                       {"cells", mesh->cells().cols()}};
   }
+  object["front"] = nullptr;
+  if (const codebooks::FrontMap* front = book.front())
+    object["front"] = {{"coordinate", name_of(book, front->coordinate())},
+                       {"others", names_of_others(book, *front)}};
   const codebooks::ModelDescription& model = book.model();
   object["model"] = {{"name", model.name},     {"title", model.title},   {"equations", model.equations},
                      {"frames", model.frames}, {"source", model.source}, {"fixed", model.fixed}};
@@ -199,6 +215,11 @@ std::string describe(const Codebook& book, const std::string& path) {
                         unit == book.model().fixed_units.end() ? "" : unit_suffix(unit->second));
   }
   text += axis_table(book, outlines);
+  if (const codebooks::FrontMap* front = book.front()) {
+    const std::vector<std::string> others = names_of_others(book, *front);
+    text += fmt::format("{} is counted from a front{}{}\n", name_of(book, front->coordinate()),
+                        others.empty() ? "" : " that moves with ", fmt::join(others, " and "));
+  }
   if (const codebooks::SpaceMesh* mesh = book.mesh()) {
     text += fmt::format("mesh: {} nodes in {}{}, {} cells\n", mesh->node_count(),
                         fmt::join(mesh->directions(), ", "), unit_suffix(mesh->unit()), mesh->cells().cols());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -55,6 +56,33 @@ Piece restricted_piece(const Codebook& book, const Piece& piece, const std::vect
   return groups;
 }
 
+/// A piece with a front, without the held coordinates. Where the counted one is held it stands still on its axis only if
+/// all do that the front depends on.
+Piece restricted_at_front(const Codebook& book, const Piece& piece, std::vector<HeldCoordinate> held) {
+  FrontMap front = *piece.front();
+  std::vector<double> point(piece.lower());
+  for (const HeldCoordinate& h : held) point[h.place] = h.value;
+  const auto held_at = [&](int coordinate) {
+    return std::ranges::find(held, static_cast<std::size_t>(coordinate), &HeldCoordinate::place);
+  };
+  const auto name = [&](int place) { return book.coordinates()[static_cast<std::size_t>(place)].name; };
+  if (const auto counted = held_at(front.coordinate()); counted != held.end()) {
+    for (const FrontMap::Other& other : front.others()) {
+      if (held_at(other.coordinate) != held.end()) continue;
+      throw ArgumentError(
+          fmt::format("a slice holds \"{}\", which the codebook counts from a front that moves with \"{}\"; "
+                      "\"{}\" was expected to be held, too",
+                      name(front.coordinate()), name(other.coordinate), name(other.coordinate)));
+    }
+    counted->value = front.to_axis(point.data());
+    return restricted_piece(book, piece, held);
+  }
+  const Piece restricted = restricted_piece(book, piece, held);
+  std::ranges::sort(held, std::greater(), &HeldCoordinate::place);
+  for (const HeldCoordinate& h : held) front = front.restricted(static_cast<int>(h.place), h.value);
+  return {restricted.groups(), std::move(front)};
+}
+
 }  // namespace
 
 Codebook slice(const Codebook& book, const std::map<std::string, double>& held) {
@@ -62,7 +90,9 @@ Codebook slice(const Codebook& book, const std::map<std::string, double>& held) 
   const std::vector<HeldCoordinate> coordinates = checked(book, held);
   std::vector<Piece> pieces;
   for (const Piece& piece : book.pieces()) {
-    if (answers(book, piece, coordinates)) pieces.push_back(restricted_piece(book, piece, coordinates));
+    if (!answers(book, piece, coordinates)) continue;
+    pieces.push_back(piece.front() != nullptr ? restricted_at_front(book, piece, coordinates)
+                                              : restricted_piece(book, piece, coordinates));
   }
   if (pieces.empty()) throw OutsideBoxError("the slice lies in a gap between the pieces of the codebook");
   ModelDescription model = book.model();

@@ -37,6 +37,28 @@ void check_groups(const Piece& piece) {
   }
 }
 
+/// Whether a front's interval is all of an axis that is no time and lets points lie between its nodes.
+void check_front_axis(const std::vector<pgd::Axis>& axes, int place, double lower, double upper) {
+  if (static_cast<std::size_t>(place) >= axes.size()) {
+    throw ArgumentError(
+        fmt::format("a front names the axis {}, expected one of 0 to {}", place, axes.size() - 1));
+  }
+  const pgd::Axis& axis = axes[static_cast<std::size_t>(place)];
+  if (axis.role() == pgd::AxisRole::time || axis.role() == pgd::AxisRole::space || !axis.has_elements())
+    throw ArgumentError(fmt::format(
+        "a front has to do with the axis \"{}\", expected a parameter with elements", axis.name()));
+  if (axis.lower() != lower || axis.upper() != upper) {
+    throw ArgumentError(fmt::format("a front knows the axis \"{}\" from {} to {}, expected {} to {}",
+                                    axis.name(), lower, upper, axis.lower(), axis.upper()));
+  }
+}
+
+void check_front(const std::vector<pgd::Axis>& axes, const FrontMap& front) {
+  check_front_axis(axes, front.coordinate(), front.lower(), front.upper());
+  for (const FrontMap::Other& other : front.others())
+    check_front_axis(axes, other.coordinate, other.lower, other.upper);
+}
+
 std::vector<Coordinate> coordinates_of(const PieceOutline& piece, bool needs_time) {
   std::vector<Coordinate> coordinates;
   for (const pgd::Axis& axis : piece.axes) {
@@ -94,6 +116,7 @@ struct Piece::Content {
   std::atomic<bool> is_read = false;
   Groups groups;
   std::vector<double> lower, upper;
+  std::optional<FrontMap> front;
   std::mutex busy;  ///< the two functions are on their way out
   std::function<Groups()> read;
   std::function<PieceOutline()> outline;
@@ -108,6 +131,11 @@ Piece::Piece(Groups groups) : content_(std::make_shared<Content>()) {
   }
   content_->groups = std::move(groups);
   content_->is_read = true;
+}
+
+Piece::Piece(Groups groups, FrontMap front) : Piece(std::move(groups)) {
+  check_front(axes_of(*this), front);
+  content_->front = std::move(front);
 }
 
 Piece::Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read,
@@ -153,6 +181,9 @@ const std::vector<double>& Piece::lower() const {
 const std::vector<double>& Piece::upper() const {
   return content_->upper;
 }
+const FrontMap* Piece::front() const {
+  return content_->front ? &*content_->front : nullptr;
+}
 
 std::shared_ptr<const models::Model> known_model(const ModelDescription& description) {
   return description.of_text ? description.of_text : models::find_model_or_null(description.name);
@@ -167,8 +198,11 @@ Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecor
       certificate_(std::move(certificate)),
       title_(std::move(title)) {
   if (pieces_.empty()) throw ArgumentError("a codebook needs at least one piece");
-  for (const Piece& piece : pieces_)
+  for (const Piece& piece : pieces_) {
     if (piece.is_read()) check_groups(piece);
+    if (piece.front() != nullptr && pieces_.size() > 1)
+      throw ArgumentError("a coordinate is counted from a front, expected one piece alone, not several");
+  }
   sort_pieces(pieces_);
   const PieceOutline first = pieces_.front().outline();
   coordinates_ = coordinates_of(first, known_model(model_) != nullptr);

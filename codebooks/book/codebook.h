@@ -11,6 +11,7 @@
 #include "samara/base/termination.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/book/field_group.h"
+#include "samara/codebooks/book/front_map.h"
 #include "samara/codebooks/book/space_mesh.h"
 
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
@@ -86,6 +87,10 @@ class Piece {
 
   Piece() : Piece(Groups()) {}
   Piece(Groups groups);  // NOLINT(google-explicit-constructor): groups are a piece
+  /// One of whose axes is counted from a front. @param front of points of all its axes
+  /// @throws ArgumentError unless the front's intervals are those of parameters among its axes, the counted one of elements
+  ///   or a polynomial
+  Piece(Groups groups, FrontMap front);
   /// @param lower,upper of the box, coordinate by coordinate
   /// @param read called once, when the groups are first asked for; what it throws passes to the caller, and
   ///   the next call tries again
@@ -101,6 +106,8 @@ class Piece {
   /// Ends of the box, in the order of the axes.
   const std::vector<double>& lower() const;
   const std::vector<double>& upper() const;
+  /// From which one of its axes is counted; else null. The axes of its groups hold what FrontMap::to_axis() says.
+  const FrontMap* front() const;
 
  private:
   struct Content;
@@ -119,7 +126,7 @@ struct Coordinate {
 class Codebook {
  public:
   /// Keeps the pieces in the order of their lower corners.
-  /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
+  /// @throws ArgumentError if there is no piece, or more than one where one has a front, pieces differ in their coordinates or outputs, groups of a
   /// piece in their axes, two outputs have one name, or time is not first or not made of elements, or missing
   /// where the codebook is one of a model and has no coordinate of space either. Of pieces that are not read yet the first is looked at in outline,
   /// others are not: see check_piece().
@@ -142,6 +149,8 @@ class Codebook {
   std::optional<int> space() const;
   /// The nodes of that coordinate in space, where it numbers the nodes of a mesh and the mesh is known; else null.
   const SpaceMesh* mesh() const { return mesh_.get(); }
+  /// From which one of its coordinates is counted inside its only piece; else null. Queries do not show it.
+  const FrontMap* front() const { return pieces_.front().front(); }
   /// Whether a program was sampled, not a model solved.
   bool is_of_command() const { return model_.name == kCommandModel; }
   const std::vector<Piece>& pieces() const { return pieces_; }

@@ -32,7 +32,7 @@ typedef struct samara_trajectory samara_trajectory;
 /* What the last call in this thread that failed has to say; "" before. Valid until the next one. */
 const char* samara_error(void);
 
-/* Of the library, "0.1.0", and the newest format of codebook files that it reads, "0.6". */
+/* Of the library, "0.1.0", and the newest format of codebook files that it reads, "0.7". */
 const char* samara_version(void);
 const char* samara_format_version(void);
 

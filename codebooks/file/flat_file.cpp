@@ -275,6 +275,11 @@ void put_attitude(FlatWords& file, const Codebook& book) {
 }  // namespace
 
 std::string format_flat(const Codebook& book) {
+  if (const FrontMap* front = book.front()) {
+    throw ArgumentError(
+        fmt::format("\"{}\" is counted from a front in this codebook, which a flat file cannot say",
+                    book.coordinates()[static_cast<std::size_t>(front->coordinate())].name));
+  }
   FlatWords file;
   const std::string magic("SAMFLAT\0", 8);
   std::memcpy(&file.header(0), magic.data(), magic.size());

@@ -124,6 +124,8 @@ Piece deferred_piece(const std::shared_ptr<const Hdf5Reader>& file, const std::s
   if (!is_box) throw file->error(path, "lower and upper are not the ends of a box of the coordinates");
   const auto read = [file, path, like] {
     Piece piece = read_piece(*file, path);
+    if (piece.front() != nullptr)
+      throw file->error(path, "counts a coordinate from a front, expected of codebooks of one piece alone");
     try {
       like->check_piece(piece);
     } catch (const ArgumentError& error) {

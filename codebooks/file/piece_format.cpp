@@ -102,6 +102,21 @@ void write_group(Hdf5Writer& file, const std::string& piece, const std::string& 
   }
 }
 
+void write_front(Hdf5Writer& file, const std::string& path, const FrontMap& front,
+                 const std::vector<pgd::Axis>& axes) {
+  file.create_group(path);
+  std::vector<std::string> others;
+  std::vector<double> coefficients;
+  for (const FrontMap::Other& other : front.others()) {
+    others.push_back(axes[static_cast<std::size_t>(other.coordinate)].name());
+    coefficients.push_back(other.coefficients);
+  }
+  file.write_text_attribute(path, "coordinate", axes[static_cast<std::size_t>(front.coordinate())].name());
+  file.write_texts(path + "/others", others);
+  file.write_numbers_attribute(path, "coefficients", coefficients);
+  file.write_vector(path + "/place", front.place());
+}
+
 }  // namespace
 
 void write_piece(Hdf5Writer& file, const std::string& path, const Piece& piece) {
@@ -119,6 +134,7 @@ void write_piece(Hdf5Writer& file, const std::string& path, const Piece& piece) 
   for (std::size_t g = 0; g < piece.groups().size(); ++g) {
     write_group(file, path, fmt::format("{}/groups/{}", path, g), piece.groups()[g]);
   }
+  if (piece.front() != nullptr) write_front(file, path + "/front", *piece.front(), axes);
 }
 
 int numbered_children(const Hdf5Reader& file, const std::string& group) {
@@ -335,6 +351,37 @@ FieldGroup read_group(const Hdf5Reader& file, const std::string& path, const std
       path, fmt::format("kind is \"{}\", expected \"{}\" or \"{}\"", kind, format::kSum, format::kTrain));
 }
 
+int axis_of_name(const Hdf5Reader& file, const std::string& path, const std::string& name,
+                 const std::vector<pgd::Axis>& axes) {
+  const auto found = std::ranges::find(axes, name, [](const pgd::Axis& axis) { return axis.name(); });
+  if (found == axes.end())
+    throw file.error(path, fmt::format("names \"{}\", expected one of the axes of the piece", name));
+  return static_cast<int>(found - axes.begin());
+}
+
+FrontMap read_front(const Hdf5Reader& file, const std::string& path, const std::vector<pgd::Axis>& axes) {
+  const auto axis_at = [&](int place) { return axes[static_cast<std::size_t>(place)]; };
+  const int coordinate = axis_of_name(file, path, file.text_attribute(path, "coordinate"), axes);
+  const std::vector<std::string> names = file.texts(path + "/others");
+  const std::vector<double> coefficients = file.numbers_attribute(path, "coefficients");
+  if (names.size() != coefficients.size())
+    throw file.error(
+        path, fmt::format("has {} others and {} numbers of coefficients", names.size(), coefficients.size()));
+  std::vector<FrontMap::Other> others;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const int other = axis_of_name(file, path, names[k], axes);
+    if (coefficients[k] != std::floor(coefficients[k]) || !(coefficients[k] >= 1.0) ||
+        !(coefficients[k] <= FrontMap::kMostCoefficients)) {
+      throw file.error(path, fmt::format("has {} coefficients along \"{}\", expected 1 to {}",
+                                         coefficients[k], names[k], FrontMap::kMostCoefficients));
+    }
+    others.push_back(
+        {other, axis_at(other).lower(), axis_at(other).upper(), static_cast<int>(coefficients[k])});
+  }
+  return {coordinate, axis_at(coordinate).lower(), axis_at(coordinate).upper(), std::move(others),
+          file.vector(path + "/place")};
+}
+
 /// Numbers of a dataset, and the size of its last dimension.
 struct Shape {
   long entries = 1;
@@ -392,7 +439,13 @@ Piece read_piece(const Hdf5Reader& file, const std::string& path) {
   const int count = numbered_children(file, path + "/groups");
   for (int g = 0; g < count; ++g)
     groups.push_back(read_group(file, fmt::format("{}/groups/{}", path, g), axes));
-  return groups;
+  if (!file.has(path + "/front")) return groups;
+  const std::string front = path + "/front";
+  try {
+    return {std::move(groups), read_front(file, front, axes)};
+  } catch (const ArgumentError& error) {
+    throw file.error(front, error.what());
+  }
 }
 
 }  // namespace samara::codebooks

@@ -14,8 +14,16 @@ using kernels::PackedField;
 PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) : choice_(choice) {
   const auto outputs = static_cast<int>(choice.outputs.size());
   rows_ = outputs * (choice.times ? static_cast<int>(choice.times->size()) : 1);
-  for (std::size_t k = 0; k < choice.fixed.size(); ++k)
-    if (is_free(k)) coordinates_.push_back(book.coordinates()[k]);
+  if (book.front() != nullptr) front_ = *book.front();
+  for (std::size_t k = 0; k < choice.fixed.size(); ++k) {
+    const auto place = static_cast<int>(k);
+    held_.push_back(choice.fixed[k].value_or(0.0));
+    // Where the front moves with what is free, it does not stay at one point of its axis though it is held.
+    if (is_free(k) || (front_ && place == front_->coordinate())) axis_places_.push_back(place);
+    if (!is_free(k)) continue;
+    free_places_.push_back(place);
+    coordinates_.push_back(book.coordinates()[k]);
+  }
   if (coordinates_.empty()) {
     throw ArgumentError("a query holds all coordinates of the codebook, expected one that is free");
   }
@@ -105,6 +113,7 @@ void PreparedFields::prepare(Prepared& prepared) const {
   for (const FieldGroup& group : prepared.source.groups()) {
     kernels::RowChoice asked;
     asked.fixed = choice_.fixed;
+    if (front_) asked.fixed[static_cast<std::size_t>(front_->coordinate())].reset();
     if (choice_.times) {
       asked.times.emplace();
       for (const int i : prepared.times)
@@ -148,16 +157,21 @@ int PreparedFields::inner_size() const {
   return most;
 }
 
-int PreparedFields::cell(int piece, int coordinate, double x) const {
-  return std::visit([&](const auto& packed) { return packed.axis(coordinate).cell(x); },
+int PreparedFields::cell(int piece, int axis, double x) const {
+  return std::visit([&](const auto& packed) { return packed.axis(axis).cell(x); },
                     at(piece).parts.front().packed);
 }
 
 PreparedFields::Workspace PreparedFields::make_workspace() const {
   Workspace workspace;
-  const int columns = std::max(PackedField<double>::column_count(coordinate_count(), 2), block_size());
+  const int columns = PackedField<double>::column_count(axis_count(), 2);
   workspace.pieces.resize(pieces_.size());
-  workspace.columns.resize(static_cast<std::size_t>(columns));
+  workspace.columns.resize(static_cast<std::size_t>(std::max(columns, block_size())));
+  if (front_) {
+    workspace.axis_point.resize(axis_point_size());
+    workspace.on_axes.resize(rows_, columns);
+    for (int c = 0; c < columns; ++c) workspace.axis_columns.push_back(workspace.on_axes.col(c).data());
+  }
   for (int piece = 0; piece < piece_count(); ++piece)
     if (pieces_[static_cast<std::size_t>(piece)]->source.is_read()) scratch(piece, workspace);
   return workspace;
@@ -203,11 +217,77 @@ void PreparedFields::in_rows(const std::vector<Stretch>& stretches, int columns,
   }
 }
 
+/// The whole point stands behind the one on the axes.
+const double* PreparedFields::map_to_axes(const double* x, double* axis_point) const {
+  double* const whole = axis_point + axis_count();
+  std::copy(held_.begin(), held_.end(), whole);
+  for (std::size_t i = 0; i < free_places_.size(); ++i) whole[free_places_[i]] = x[i];
+  for (std::size_t a = 0; a < axis_places_.size(); ++a) axis_point[a] = whole[axis_places_[a]];
+  const auto counted = std::ranges::find(axis_places_, front_->coordinate()) - axis_places_.begin();
+  axis_point[counted] = front_->to_axis(whole);
+  return axis_point;
+}
+
 void PreparedFields::point(int piece, const double* x, int order, Workspace& workspace,
                            double* const* columns) const {
+  if (!front_) return point_on_axes(piece, x, order, workspace, columns);
+  const double* const axis_point = map_to_axes(x, workspace.axis_point.data());
+  if (order == 0) return point_on_axes(piece, axis_point, order, workspace, columns);
+  point_on_axes(piece, axis_point, order, workspace, workspace.axis_columns.data());
+  chain(order, workspace, columns);
+}
+
+/// Values and derivatives by free coordinates, of those along axes: the counted one depends on several.
+void PreparedFields::chain(int order, const Workspace& workspace, double* const* columns) const {
+  using Columns = Eigen::Map<Eigen::VectorXd>;
+  const Eigen::MatrixXd& on = workspace.on_axes;
+  FrontMap::Derivatives along;
+  front_->to_axis(workspace.axis_point.data() + axis_count(), along);
+  const int axes = axis_count(), free = coordinate_count();
+  const auto second = [&](int a, int b) {
+    return on.col(1 + axes + std::max(a, b) * (std::max(a, b) + 1) / 2 + std::min(a, b));
+  };
+  // Of a codebook's coordinate: its place among the numbers of `along`, or -1; and its own axis, or -1.
+  const auto place_along = [&](int coordinate) {
+    if (coordinate == front_->coordinate()) return 0;
+    const auto other = std::ranges::find(front_->others(), coordinate, &FrontMap::Other::coordinate);
+    return other == front_->others().end() ? -1 : 1 + static_cast<int>(other - front_->others().begin());
+  };
+  const auto axis_of = [&](int coordinate) {
+    const auto at = std::ranges::find(axis_places_, coordinate) - axis_places_.begin();
+    return coordinate == front_->coordinate() ? -1 : static_cast<int>(at);
+  };
+  const auto counted =
+      static_cast<int>(std::ranges::find(axis_places_, front_->coordinate()) - axis_places_.begin());
+  const auto slope = [&](int i) { return i < 0 ? 0.0 : along.first[static_cast<std::size_t>(i)]; };
+  Columns(columns[0], rows_) = on.col(0);
+  for (int k = 0; k < free; ++k) {
+    const int of_k = free_places_[static_cast<std::size_t>(k)];
+    const int own_k = axis_of(of_k), along_k = place_along(of_k);
+    Columns first(columns[1 + k], rows_);
+    first = slope(along_k) * on.col(1 + counted);
+    if (own_k >= 0) first += on.col(1 + own_k);
+    for (int j = 0; order > 1 && j <= k; ++j) {
+      const int of_j = free_places_[static_cast<std::size_t>(j)];
+      const int own_j = axis_of(of_j), along_j = place_along(of_j);
+      Columns both(columns[1 + free + k * (k + 1) / 2 + j], rows_);
+      both = slope(along_j) * slope(along_k) * second(counted, counted);
+      if (along_j >= 0 && along_k >= 0) {
+        both += along.second[static_cast<std::size_t>(along_j)][static_cast<std::size_t>(along_k)] *
+                on.col(1 + counted);
+      }
+      if (own_j >= 0) both += slope(along_k) * second(own_j, counted);
+      if (own_k >= 0) both += slope(along_j) * second(own_k, counted);
+      if (own_j >= 0 && own_k >= 0) both += second(own_j, own_k);
+    }
+  }
+}
+
+void PreparedFields::point_on_axes(int piece, const double* x, int order, Workspace& workspace,
+                                   double* const* columns) const {
   const std::vector<Part>& parts = at(piece).parts;
   Workspace::Piece& own = scratch(piece, workspace);
-  const int count = PackedField<double>::column_count(coordinate_count(), order);
+  const int count = PackedField<double>::column_count(axis_count(), order);
   for (std::size_t p = 0; p < parts.size(); ++p) {
     in_rows(parts[p].stretches, count, columns, workspace, [&](double* const* rows) {
       std::visit(
@@ -241,15 +321,16 @@ void PreparedFields::block(int piece, const double* x, Workspace& workspace, dou
 
 BatchRun::BatchRun(const PreparedFields& fields)
     : fields_(fields),
-      cells_(static_cast<std::size_t>(fields.coordinate_count() * kBatchChunk)),
+      cells_(static_cast<std::size_t>(fields.axis_count() * kBatchChunk)),
       columns_(static_cast<std::size_t>(fields.block_size())),
-      x_(std::ptrdiff_t{fields.coordinate_count()} * fields.block_size()) {
+      x_(std::ptrdiff_t{fields.axis_count()} * fields.block_size()),
+      axis_point_(fields.axis_point_size()) {
   places_.reserve(kBatchChunk);
 }
 
 bool BatchRun::before(const Place& a, const Place& b) const {
   if (a.piece != b.piece) return a.piece < b.piece;
-  const int d = fields_.coordinate_count();
+  const int d = fields_.axis_count();
   for (int k = 0; k < d; ++k) {
     const int left = cells_[static_cast<std::size_t>(a.point * d + k)];
     const int right = cells_[static_cast<std::size_t>(b.point * d + k)];
@@ -259,19 +340,18 @@ bool BatchRun::before(const Place& a, const Place& b) const {
 }
 
 bool BatchRun::same_cell(const Place& a, const Place& b) const {
-  const int d = fields_.coordinate_count();
+  const int d = fields_.axis_count();
   const auto* const cells = cells_.data();
   return a.piece == b.piece && std::equal(cells + a.point * d, cells + a.point * d + d, cells + b.point * d);
 }
 
 void BatchRun::run(const double* points, PreparedFields::Workspace& workspace, double* values,
                    std::ptrdiff_t lead) {
-  const int d = fields_.coordinate_count();
+  const int axes = fields_.axis_count();
   for (const Place& place : places_) {
-    for (int k = 0; k < d; ++k) {
-      cells_[static_cast<std::size_t>(place.point * d + k)] =
-          fields_.cell(place.piece, k, points[static_cast<std::ptrdiff_t>(place.point) * d + k]);
-    }
+    const double* const x = on_axes(points, place);
+    for (int k = 0; k < axes; ++k)
+      cells_[static_cast<std::size_t>(place.point * axes + k)] = fields_.cell(place.piece, k, x[k]);
   }
   std::sort(places_.begin(), places_.end(), [&](const Place& a, const Place& b) { return before(a, b); });
   const Place* const end = places_.data() + places_.size();
@@ -299,9 +379,8 @@ void BatchRun::answer(const Place* first, const Place* last, const double* point
   }
   for (std::size_t p = 0; p < size; ++p) {
     const Place& place = first[std::min(p, count - 1)];
-    for (int k = 0; k < d; ++k)
-      x_.data()[static_cast<std::size_t>(k) * size + p] =
-          points[static_cast<std::ptrdiff_t>(place.point) * d + k];
+    const double* const x = on_axes(points, place);
+    for (int k = 0; k < fields_.axis_count(); ++k) x_.data()[static_cast<std::size_t>(k) * size + p] = x[k];
     columns_[p] = p < count ? values + place.point * lead : nullptr;
   }
   fields_.block(first->piece, x_.data(), workspace, columns_.data());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "samara/codebooks/book/codebook.h"
+#include "samara/codebooks/book/front_map.h"
 #include "samara/codebooks/book/piece_finder.h"
 #include "samara/codebooks/query/kernels/packed_field.h"
 
@@ -42,8 +43,18 @@ class PreparedFields {
 
   /// Whether every axis of every piece has one element only.
   bool has_one_cell() const { return has_one_cell_; }
-  /// Number of the element of a coordinate in a piece: points that share all elements may go in one block.
-  int cell(int piece, int coordinate, double x) const;
+
+  /// Coordinates of the fields themselves: the free ones, and with a front (front_map.h) the one that is counted from it.
+  int axis_count() const { return static_cast<int>(axis_places_.size()); }
+  /// The point of the axes for a free point: itself, or where there is a front what is written to `axis_point`, of
+  /// axis_point_size() numbers.
+  const double* on_axes(const double* x, double* axis_point) const {
+    return front_ ? map_to_axes(x, axis_point) : x;
+  }
+  std::size_t axis_point_size() const { return axis_places_.size() + held_.size(); }
+  /// Number of the element of an axis in a piece: points that share all elements may go in one block.
+  /// @param x on the axis
+  int cell(int piece, int axis, double x) const;
 
   /// Scratch space of one thread.
   struct Workspace {
@@ -57,6 +68,10 @@ class PreparedFields {
     std::vector<double*> columns;
     std::ptrdiff_t lead = 0;  ///< of rows
     kernels::Buffer<double> rows;
+    // Of a field with a front: a point, and the rows with their derivatives along axes.
+    std::vector<double> axis_point;
+    Eigen::MatrixXd on_axes;
+    std::vector<double*> axis_columns;
   };
   Workspace make_workspace() const;
 
@@ -65,7 +80,7 @@ class PreparedFields {
   /// @throws InputError if it is damaged
   void point(int piece, const double* x, int order, Workspace& workspace, double* const* columns) const;
 
-  /// Points of one block, in one element of every axis. @param x coordinate by coordinate, points running
+  /// Points of one block, in one element of every axis. @param x on the axes, axis by axis, points running
   /// fastest
   /// @param columns per point, of all rows; null ones are left out
   void block(int piece, const double* x, Workspace& workspace, double* const* columns) const;
@@ -100,6 +115,10 @@ class PreparedFields {
   const Prepared& at(int piece) const;
   void prepare(Prepared& prepared) const;
   Workspace::Piece& scratch(int piece, Workspace& workspace) const;
+  void point_on_axes(int piece, const double* x, int order, Workspace& workspace,
+                     double* const* columns) const;
+  const double* map_to_axes(const double* x, double* axis_point) const;
+  void chain(int order, const Workspace& workspace, double* const* columns) const;
   template <class Run>
   void in_rows(const std::vector<Stretch>& stretches, int columns, double* const* target,
                Workspace& workspace, const Run& run) const;
@@ -109,6 +128,9 @@ class PreparedFields {
   bool all_hold_the_box_ = true;
   bool has_one_cell_ = true;
   std::vector<Coordinate> coordinates_;
+  std::vector<int> free_places_, axis_places_;  ///< of free coordinates and of axes, in the codebook
+  std::optional<FrontMap> front_;               ///< of points of the codebook
+  std::vector<double> held_;                    ///< a point of the codebook, where free coordinates are 0
   std::vector<std::unique_ptr<Prepared>> pieces_;
   std::optional<PieceFinder> finder_;
 };
@@ -132,12 +154,17 @@ class BatchRun {
   bool before(const Place& a, const Place& b) const;
   void answer(const Place* first, const Place* last, const double* points,
               PreparedFields::Workspace& workspace, double* values, std::ptrdiff_t lead);
+  const double* on_axes(const double* points, const Place& place) {
+    return fields_.on_axes(points + std::ptrdiff_t{place.point} * fields_.coordinate_count(),
+                           axis_point_.data());
+  }
 
   const PreparedFields& fields_;
   std::vector<Place> places_;
-  std::vector<int> cells_;  ///< coordinates x points
+  std::vector<int> cells_;  ///< axes x points
   std::vector<double*> columns_;
   kernels::Buffer<double> x_;
+  std::vector<double> axis_point_;
 };
 
 /// Points of a chunk of a batch: places are sorted within it.

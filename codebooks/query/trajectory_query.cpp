@@ -36,6 +36,7 @@ struct TrajectoryQuery::Impl {
   Eigen::MatrixXd residual_values, residual_slopes;
   Eigen::MatrixXd block_rows, block_points;
   std::vector<double*> block_columns;
+  std::vector<double> axis_point;
 
   Impl(std::vector<double> frames, int output_count, Prepared fields)
       : times(std::move(frames)),
@@ -53,7 +54,8 @@ struct TrajectoryQuery::Impl {
     residual_slopes.resize(frame_count, Eigen::Index{outputs} * this->fields().coordinate_count());
     const Eigen::Index size = this->fields().block_size();
     block_rows.resize(this->fields().rows(), size);
-    block_points.resize(size, this->fields().coordinate_count());
+    block_points.resize(size, this->fields().axis_count());
+    axis_point.resize(this->fields().axis_point_size());
     block_columns.resize(static_cast<std::size_t>(size));
   }
 
@@ -100,7 +102,8 @@ struct TrajectoryQuery::Impl {
       for (Eigen::Index p = 0; p < size; ++p) {
         const double* const q = points.col(first + std::min(p, count - 1)).data();
         require_inside(fields().coordinates(), std::span(q, static_cast<std::size_t>(d)));
-        for (Eigen::Index k = 0; k < d; ++k) block_points(p, k) = q[k];
+        const double* const x = fields().on_axes(q, axis_point.data());
+        for (Eigen::Index k = 0; k < block_points.cols(); ++k) block_points(p, k) = x[k];
         double* const column =
             past_caches ? block_rows.col(p).data() : values.col(first + std::min(p, count - 1)).data();
         to[static_cast<std::size_t>(p)] = p < count ? column : nullptr;

@@ -309,8 +309,14 @@ BookStatistics take_statistics(const Codebook& book, const StatisticsRequest& re
   result.quantiles = request.quantiles;
   for (const pgd::OutputLabel& output : book.outputs())
     result.outputs.push_back({.name = output.name, .unit = output.unit});
-  if (request.joint) {
-    result.notes.push_back("inputs are correlated: statistics are those of draws, without Sobol' indices");
+  if (request.joint || book.front() != nullptr) {
+    // The separated form is one of the axes, on which inputs are not independent.
+    if (book.front() != nullptr && !request.groups.empty())
+      throw ArgumentError(
+          "a coordinate of the codebook is counted from a front: there are no indices of groups");
+    result.notes.push_back(fmt::format(
+        "{}: statistics are those of draws, without Sobol' indices",
+        request.joint ? "inputs are correlated" : "a coordinate of the codebook is counted from a front"));
     if (book.has_time()) result.times = times_of(book);
     take_of_draws(book, request, result);
     return result;

@@ -139,9 +139,10 @@ void add_from_draws(const Codebook& book, const StatisticsRequest& request, cons
                     BookStatistics& statistics) {
   const Eigen::Index rows = std::max<Eigen::Index>(statistics.times.size(), 1), count = draws.points.cols(),
                      quantiles = static_cast<Eigen::Index>(request.quantiles.size());
+  const bool with_moments = request.joint || book.front() != nullptr;  // else they are integrals
   for (OutputStatistics& output : statistics.outputs) {
     output.quantiles.resize(rows, quantiles);
-    if (request.joint) {
+    if (with_moments) {
       output.mean.resize(rows);
       output.deviation.resize(rows);
     }
@@ -158,7 +159,7 @@ void add_from_draws(const Codebook& book, const StatisticsRequest& request, cons
       OutputStatistics& output = statistics.outputs[o];
       for (Eigen::Index i = 0; i < block; ++i) {
         sorted = answers.row(static_cast<Eigen::Index>(o) * block + i).transpose();
-        if (request.joint) {
+        if (with_moments) {
           output.mean[first + i] = sorted.mean();
           output.deviation[first + i] =
               std::sqrt((sorted.array() - sorted.mean()).square().sum() / static_cast<double>(count - 1));

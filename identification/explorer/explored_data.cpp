@@ -217,6 +217,12 @@ double factor_bytes(const Codebook& book, const std::vector<int>& outputs) {
 nlohmann::ordered_json explored_book(const ExploredBook& explored, const std::vector<int>& outputs,
                                      const std::optional<models::TriangleMesh>& body, NumberStore& numbers) {
   const Codebook& book = explored.book;
+  if (const codebooks::FrontMap* front = book.front()) {
+    throw ArgumentError(fmt::format(
+        "{}: \"{}\" is counted from a front in this codebook, which the explorer cannot follow; a "
+        "codebook of a box without one was expected",
+        explored.file, book.coordinates()[static_cast<std::size_t>(front->coordinate())].name));
+  }
   Json json = {{"file", explored.file},
                {"model", book.model().name},
                {"hasTime", book.has_time()},

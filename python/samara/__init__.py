@@ -16,7 +16,7 @@ from ._core import __version__
 from ._errors import ArgumentError, Error, InputError, MissingPackageError, NoResultError, OutsideBoxError
 from ._building import build, separate
 from ._codebook import Codebook
-from ._contents import Axis, Build, Certificate, Coordinate, Group, Output, OutputError, Piece, Statistics
+from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, OutputError, Piece, Statistics
 from ._fitting import CaptureFit, Coefficient, FitResult, Unknown, fit
 from ._bodies import Bodies, Motions
 from ._flows import Cloud, Flow, Turbulence, Wake, Wind, realise
@@ -56,6 +56,7 @@ __all__ = [
     "Feature",
     "FitResult",
     "Flow",
+    "Front",
     "Group",
     "InputError",
     "Label",

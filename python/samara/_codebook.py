@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _html, _labels
-from ._contents import Axis, Build, Certificate, Coordinate, Group, Output, Piece, Statistics, certificate_of
+from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, Piece, Statistics, certificate_of
 from ._errors import ArgumentError
 from ._units import Quantity, as_mapping, names_in, one_si, real_array, stacked, to_si, whole
 
@@ -235,6 +235,7 @@ class Codebook:
                 tuple(
                     Group(**{k: tuple(v) if isinstance(v, list) else v for k, v in g.items()}) for g in p["groups"]
                 ),
+                Front(p["front"]["coordinate"], tuple(p["front"]["others"]), p["front"]["place"]) if "front" in p else None,
             )
             for p in self._book.numbers()
         )

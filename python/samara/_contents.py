@@ -132,11 +132,25 @@ class Axis:
 
 
 @dataclass(frozen=True)
+class Front:
+    """From which a coordinate is counted on its axis: on [-1, 1] by (X - G) / (1 - G X), G the place of the front.
+
+    ``place`` holds the coefficients of G, products of Chebyshev polynomials of the ``others``, as many of each as is said
+    with its name, the first fastest.
+    """
+
+    coordinate: str
+    others: tuple[tuple[str, int], ...]
+    place: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class Piece:
     """One time slab of one cell of the box."""
 
     axes: tuple[Axis, ...]
     groups: tuple[Group, ...]
+    front: Optional[Front] = None
 
 
 def certificate_of(given: Optional[dict[str, Any]], coordinates: Sequence[Coordinate]) -> Optional[Certificate]:

@@ -303,7 +303,19 @@ py::list numbers(const std::shared_ptr<Book>& handle) {
                            py::arg("nodes") = view(nodes.data(), {nodes.size()}, {1}, owner)));
     }
     for (const codebooks::FieldGroup& group : piece.groups()) groups.append(numbers_of(group, owner));
-    pieces.append(py::dict(py::arg("axes") = axes, py::arg("groups") = groups));
+    py::dict stored(py::arg("axes") = axes, py::arg("groups") = groups);
+    if (const codebooks::FrontMap* front = piece.front()) {
+      const auto axis_name = [&](int place) {
+        return piece.groups().front().axes()[static_cast<std::size_t>(place)].name();
+      };
+      py::list others;
+      for (const codebooks::FrontMap::Other& other : front->others())
+        others.append(py::make_tuple(axis_name(other.coordinate), other.coefficients));
+      stored["front"] =
+          py::dict(py::arg("coordinate") = axis_name(front->coordinate()), py::arg("others") = others,
+                   py::arg("place") = view(front->place().data(), {front->place().size()}, {1}, owner));
+    }
+    pieces.append(stored);
   }
   return pieces;
 }

@@ -6,6 +6,7 @@ Answers of the command: on stdout, exit code 0.
 import csv
 import json
 import math
+import pathlib
 
 from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, Case, book, main, run, write
 
@@ -188,6 +189,21 @@ class Answers(Case):
         self.assertIsNone(info["certificate"]["norm_defect"])  # there is no attitude
         self.assertTrue(info["certificate"]["met"])
         self.assertGreaterEqual(info["certificate"]["points"], 2000)
+
+    def test_a_codebook_with_a_front_answers_and_says_what_it_cannot(self):
+        path = pathlib.Path(__file__).parent.parent / "codebooks" / "golden" / "codebook_0.7.h5"
+        self.assertIn("C is counted from a front that moves with k and h", run("info", path).stdout)
+        info = json.loads(run("info", path, "--json").stdout)
+        self.assertEqual(info["front"], {"coordinate": "C", "others": ["k", "h"]})
+        C, k, h = 1.3, 0.8, -1.5
+        K, H = 2 * k - 1, h / 2
+        front = 0.1 + 0.2 * K - 0.3 * H + 0.15 * K * (2 * H * H - 1)
+        s = 2 + (C - 2 - front) / (1 - front * (C - 2))
+        answer = json.loads(run("query", path, "--set", f"C={C}", "--set", f"k={k}", "--set", f"h={h}", "--set", "m=0.5", "--at", 1, "--json").stdout)
+        self.assertAlmostEqual(answer["outputs"][0]["values"][0], 2 * s + k * k + 0.5, places=12)
+        self.assertIn("counted from a front", run("stats", path).stderr)
+        self.check_error(run("export", path, "--to", "flat", "-o", FOLDER / "front.flat"), 2, '"C" is counted from a front')
+        self.check_error(run("explore", path, "-o", FOLDER / "front.html"), 2, '"C" is counted from a front')
 
     def test_stats_are_those_of_the_function_over_the_box(self):
         # u = (10/k - 1) t over k in [1, 10]: mean t (10 ln 10/9 - 1), variance t^2 (10 - (10 ln 10/9)^2); k is all there is.

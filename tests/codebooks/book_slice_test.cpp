@@ -35,6 +35,9 @@ TEST_CASE("a slice answers as the codebook with its coordinates held") {
     CHECK(difference(book, {{"v(0)", 0.2}}) < 1e-12);
   }
   CHECK(difference(golden_command(), {{"a", 1.5}}) < 1e-12);
+  CHECK(difference(golden_front(), {{"k", 0.3}}) < 1e-12);
+  CHECK(difference(golden_front(), {{"h", -1.7}}) < 1e-12);
+  CHECK(difference(golden_front(), {{"C", 1.7}, {"k", 0.9}, {"h", 0.2}}) < 1e-12);
   CHECK(difference(all_kinds(), {{"plies", 2.0}, {"angle", 0.4}, {"h", 0.5}}) < 1e-12);
 }
 

@@ -73,7 +73,7 @@ void write_reference(const Codebook& book, const std::filesystem::path& stem) {
 int main(int count, char** arguments) {
   const std::string verb = count == 3 ? arguments[1] : "";
   if (verb == "golden") {
-    save(golden_mesh(), arguments[2]);
+    save(golden_front(), arguments[2]);
     return 0;
   }
   if (verb == "large") {
@@ -88,6 +88,7 @@ int main(int count, char** arguments) {
     write_reference(coin_build().book, directory / "coin");
     write_reference(golden_command(), directory / "command");
     write_reference(golden_mesh(), directory / "mesh");
+    write_reference(golden_front(), directory / "front");
     return 0;
   }
   if (verb == "flat") {

@@ -40,8 +40,8 @@ samara::codebooks::Codebook large() {
 int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 500;
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  const samara::codebooks::Codebook books[] = {certified(), golden_trains(), golden_command(), golden_mesh(),
-                                               large()};
+  const samara::codebooks::Codebook books[] = {certified(),   golden_trains(), golden_command(),
+                                               golden_mesh(), golden_front(),  large()};
   const int large_count = count / 20;
   int failures = 0;
   for (int k = 0; k < 5; ++k) {

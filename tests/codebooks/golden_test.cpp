@@ -136,3 +136,21 @@ TEST_CASE(
   between.values(std::vector{0.8, 0.7, 0.3}, value);
   CHECK_THAT(value[0], WithinAbs(0.3 + 0.8 + 1.4, 1e-14));
 }
+
+TEST_CASE("the golden file of format 0.7, with a coordinate counted from a front, evaluates to its formula") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.7.h5");
+  check_same_codebook(book, golden_front());
+  Query query(book);
+  Eigen::VectorXd values(2);
+  const Eigen::MatrixXd points = random_points(book, 200, 7);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    const double t = points(0, j), C = points(1, j) - 2.0, k = points(2, j), m = points(3, j),
+                 h = points(4, j);
+    const double K = 2.0 * k - 1.0, H = 0.5 * h;
+    const double front = 0.1 + 0.2 * K - 0.3 * H + 0.15 * K * (2.0 * H * H - 1.0);
+    const double s = 2.0 + (C - front) / (1.0 - front * C);
+    query.values(point(points, j), values);
+    CHECK_THAT(values[0], WithinAbs((1.0 + t) * s + k * k + m, 1e-13));
+    CHECK_THAT(values[1], WithinAbs(s * s * h, 1e-13));
+  }
+}

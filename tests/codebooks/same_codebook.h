@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 
 #include <catch2/catch.hpp>
@@ -139,6 +140,17 @@ inline void check_same_but_provenance(const samara::codebooks::Codebook& a,
     REQUIRE(a.pieces()[p].groups().size() == b.pieces()[p].groups().size());
     for (std::size_t g = 0; g < a.pieces()[p].groups().size(); ++g)
       check_same_group(a.pieces()[p].groups()[g], b.pieces()[p].groups()[g]);
+    const samara::codebooks::FrontMap *front = a.pieces()[p].front(), *other = b.pieces()[p].front();
+    REQUIRE((front == nullptr) == (other == nullptr));
+    if (front == nullptr) continue;
+    CHECK(front->coordinate() == other->coordinate());
+    CHECK(front->place() == other->place());
+    CHECK(std::ranges::equal(front->others(), other->others(), {},
+                             &samara::codebooks::FrontMap::Other::coefficients,
+                             &samara::codebooks::FrontMap::Other::coefficients));
+    CHECK(std::ranges::equal(front->others(), other->others(), {},
+                             &samara::codebooks::FrontMap::Other::coordinate,
+                             &samara::codebooks::FrontMap::Other::coordinate));
   }
   REQUIRE(a.certificate().has_value() == b.certificate().has_value());
   if (a.certificate()) check_same_certificate(*a.certificate(), *b.certificate());

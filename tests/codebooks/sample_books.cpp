@@ -224,6 +224,39 @@ Codebook golden_mesh() {
   return bare.with_mesh(SpaceMesh({"x", "y"}, "m", points, cells)).with_certificate(certificate);
 }
 
+Codebook golden_front() {
+  const std::vector<Axis> axes = {
+      Axis::radau({"t", "s", AxisRole::time}, 0.0, 2.0, 2, 3),
+      Axis::of_elements({"C", "kg"}, samara::pgd::Basis::chebyshev, Eigen::Vector3d(1.0, 1.8, 3.0), 3),
+      Axis::chebyshev({"k", "1"}, 0.0, 1.0, 4), Axis::p1({"m", "kg"}, 0.0, 1.0, 3),
+      Axis::chebyshev({"h", "m"}, -2.0, 2.0, 3)};
+  const auto one = [](double) { return 1.0; };
+  const auto same = [](double a) { return a; };
+  const auto more = [](double a) { return 1.0 + a; };
+  const auto square = [](double a) { return a * a; };
+  const SeparatedField u(axes, {{"u", "kg"}},
+                         {columns_of(axes[0], more, one, one), columns_of(axes[1], same, one, one),
+                          columns_of(axes[2], one, square, one), columns_of(axes[3], one, one, same),
+                          columns_of(axes[4], one, one, one)},
+                         Eigen::RowVector3d::Ones());
+  const SeparatedField w(axes, {{"w", "kg^2 m"}},
+                         {columns_of(axes[0], one), columns_of(axes[1], square), columns_of(axes[2], one),
+                          columns_of(axes[3], one), columns_of(axes[4], same)},
+                         Eigen::RowVectorXd::Ones(1));
+  Eigen::VectorXd place = Eigen::VectorXd::Zero(6);
+  place[0] = 0.1;   // 1
+  place[1] = 0.2;   // K
+  place[2] = -0.3;  // H
+  place[5] = 0.15;  // K T_2(H)
+  FrontMap front(1, 1.0, 3.0, {{2, 0.0, 1.0, 2}, {4, -2.0, 2.0, 3}}, place);
+  ModelDescription model;
+  model.name = "golden_front";
+  model.equations = "u = (1 + t) s + k^2 + m, w = s^2 h";
+  const Codebook bare(model, {Piece({u, w}, std::move(front))}, sample_build(), sample_provenance(), {},
+                      "the golden front");
+  return bare.with_certificate(sample_certificate(bare));
+}
+
 ModelDescription sample_model() {
   ModelDescription model;
   model.name = "vertical_fall";

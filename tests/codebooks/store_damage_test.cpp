@@ -123,6 +123,7 @@ TEST_CASE("older minor versions of the format are read, newer and other major on
   const auto version = [](const std::string& text) {
     return error_after([&](Patient& file) { file.set_text("/", "format_version", text); });
   };
+  CHECK(version("0.7") == "no exception");
   CHECK(version("0.6") == "no exception");
   CHECK(version("0.5") == "no exception");
   CHECK(version("0.4") == "no exception");
@@ -130,9 +131,9 @@ TEST_CASE("older minor versions of the format are read, newer and other major on
   CHECK(version("0.2") == "no exception");
   CHECK(version("0.1") == "no exception");
   CHECK(version("0.0") == "no exception");
-  for (const std::string other : {"0.7", "0.10", "1.0", "1.1", "10.0", "-1.0", "0.-1", "0", "0.", ".1",
+  for (const std::string other : {"0.8", "0.10", "1.0", "1.1", "10.0", "-1.0", "0.-1", "0", "0.", ".1",
                                   "0.1 ", "0.1x", "0.1.0", "0,1", "x", "", "0.99999999999999999999"}) {
-    CHECK(version(other) == "/: format_version is \"" + other + "\", this program reads 0.0 to 0.6");
+    CHECK(version(other) == "/: format_version is \"" + other + "\", this program reads 0.0 to 0.7");
   }
   CHECK_THAT(error_after([](Patient& file) { file.remove_attribute("/", "format_version"); }),
              Contains("format_version"));
@@ -243,4 +244,25 @@ TEST_CASE("a mesh that is none is refused in a sentence that says what is wrong"
       StartsWith("/mesh: ") && Contains("furlongs"));
   CHECK_THAT(error_after([](Patient& file) { file.remove("/mesh/cells"); }, golden_mesh()),
              Contains("/mesh/cells"));
+}
+
+TEST_CASE("a front that contradicts its piece, or is none, is refused where it stands") {
+  const auto numbers = [](int count, double value) {
+    return std::vector<double>(static_cast<std::size_t>(count), value);
+  };
+  const std::string front = "/pieces/0/front", place = front + "/place";
+  const auto with_place = [&](const std::vector<double>& values) {
+    return error_after([&](Patient& file) { file.set_dataset(place, {values.size()}, values); },
+                       golden_front());
+  };
+  CHECK_THAT(with_place(numbers(6, 0.2)), StartsWith(front) && Contains("leaves its interval"));
+  CHECK_THAT(with_place(numbers(5, 0.1)), StartsWith(front) && Contains("other coefficients"));
+  CHECK_THAT(with_place(numbers(6, std::nan(""))), StartsWith("dataset " + place));
+  CHECK_THAT(error_after([&](Patient& file) { file.set_text(front, "coordinate", "t"); }, golden_front()),
+             StartsWith(front) && Contains("axis \"t\""));
+  CHECK_THAT(error_after([&](Patient& file) { file.set_text(front, "coordinate", "D"); }, golden_front()),
+             StartsWith(front) && Contains("\"D\""));
+  CHECK_THAT(error_after([&](Patient& file) { file.set_text(front, "coordinate", "k"); }, golden_front()),
+             StartsWith(front));
+  CHECK_THAT(error_after([&](Patient& file) { file.remove(place); }, golden_front()), Contains(place));
 }

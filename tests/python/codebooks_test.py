@@ -2,6 +2,7 @@
 
 import gc
 import multiprocessing
+import pathlib
 import pickle
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import samara
 from conftest import answer, command
 
+GOLDEN = pathlib.Path(__file__).parent.parent / "codebooks" / "golden"
 TIMES = np.linspace(0.0, 0.5, 5)
 
 
@@ -73,6 +75,21 @@ def test_a_view_keeps_its_codebook(coin_path):
     gc.collect()
     samara.Codebook.open(coin_path)
     assert np.array_equal(view, expected)
+
+
+def test_a_coordinate_counted_from_a_front_is_said_with_the_numbers():
+    book = samara.Codebook.open(GOLDEN / "codebook_0.7.h5")
+    [piece] = book.to_numpy()
+    front = piece.front
+    assert front.coordinate == "C" and front.others == (("k", 2), ("h", 3))
+    for at in (0, 2, 4):
+        t, s, k, m, h = (axis.nodes[at % len(axis.nodes)] for axis in piece.axes)
+        place = np.polynomial.chebyshev.chebval2d(2 * k - 1, h / 2, front.place.reshape(3, 2).T)
+        C = 2 + (s - 2 + place) / (1 + place * (s - 2))
+        np.testing.assert_allclose(book.at(np.array([t, C, k, m, h])), [(1 + t) * s + k**2 + m, s**2 * h], rtol=0, atol=1e-12)
+    assert book.slice(C=1.5, k=0.2, h=0.1).to_numpy()[0].front is None
+    with pytest.raises(samara.ArgumentError, match='counts from a front that moves with "k"'):
+        book.slice(C=1.5)
 
 
 def test_a_slice_answers_as_the_whole_with_the_coordinate_held(coin):
