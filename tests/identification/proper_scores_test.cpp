@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
-const NormalMixture kMixture{Eigen::Vector3d(0.5, 0.3, 0.2), Eigen::Vector3d(0.0, 2.0, -1.0),
-                             Eigen::Vector3d(1.0, 0.5, 3.0)};
+const NormalMixture kThreeNormals{Eigen::Vector3d(0.5, 0.3, 0.2), Eigen::Vector3d(0.0, 2.0, -1.0),
+                                  Eigen::Vector3d(1.0, 0.5, 3.0)};
 
 NormalMixture normal(double mean, double deviation) {
   return {Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, mean),
@@ -53,40 +53,40 @@ TEST_CASE("the score of a mixture is the integral that defines it, and the mean 
       const double h = (to - from) / kSteps;
       double sum = 0.0;
       for (int k = 0; k <= kSteps; ++k) {
-        const double F = probability_below(kMixture, from + k * h) - (above ? 1.0 : 0.0);
+        const double F = probability_below(kThreeNormals, from + k * h) - (above ? 1.0 : 0.0);
         sum += (k == 0 || k == kSteps ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) * F * F;
       }
       return sum * h / 3.0;
     };
-    CHECK(crps(kMixture, y) == Approx(half(-40.0, y, false) + half(y, 40.0, true)).epsilon(1e-8));
+    CHECK(crps(kThreeNormals, y) == Approx(half(-40.0, y, false) + half(y, 40.0, true)).epsilon(1e-8));
   }
   samara::Stream stream(5, 0);
   constexpr int kDraws = 20000;
   double to_truth = 0.0, among = 0.0;
   for (int k = 0; k < kDraws; ++k) {
-    const double x = drawn_from(kMixture, stream);
+    const double x = drawn_from(kThreeNormals, stream);
     to_truth += std::abs(x - 1.2) / kDraws;
-    among += std::abs(x - drawn_from(kMixture, stream)) / kDraws;
+    among += std::abs(x - drawn_from(kThreeNormals, stream)) / kDraws;
   }
   // The distances scatter by about 2: three errors of the mean of 20000.
-  CHECK(crps(kMixture, 1.2) == Approx(to_truth - 0.5 * among).margin(3.0 * 2.0 / std::sqrt(kDraws)));
+  CHECK(crps(kThreeNormals, 1.2) == Approx(to_truth - 0.5 * among).margin(3.0 * 2.0 / std::sqrt(kDraws)));
 }
 
 TEST_CASE("quantiles undo probabilities, and those of a normal are known") {
   CHECK(quantile(normal(1.0, 2.0), 0.95) == Approx(1.0 + 2.0 * 1.6448536269514722).epsilon(1e-12));
   for (const double part : {1e-6, 0.05, 0.25, 0.5, 0.95, 1.0 - 1e-9})
-    CHECK(probability_below(kMixture, quantile(kMixture, part)) == Approx(part).epsilon(1e-9));
+    CHECK(probability_below(kThreeNormals, quantile(kThreeNormals, part)) == Approx(part).epsilon(1e-9));
   CHECK(quantile(normal(4.0, 0.0), 0.3) == Approx(4.0).epsilon(1e-14));
 }
 
 TEST_CASE("truths drawn from the forecast lie in its central intervals as often as they should") {
   samara::Stream stream(6, 0);
   ProperScores honest, narrow;
-  NormalMixture half = kMixture;
+  NormalMixture half = kThreeNormals;
   half.deviations *= 0.3;
   for (int k = 0; k < 4000; ++k) {
-    const double y = drawn_from(kMixture, stream);
-    honest.add(kMixture, y);
+    const double y = drawn_from(kThreeNormals, stream);
+    honest.add(kThreeNormals, y);
     narrow.add(half, y);
   }
   // Three standard errors of a share of 4000.
@@ -95,7 +95,7 @@ TEST_CASE("truths drawn from the forecast lie in its central intervals as often 
   CHECK(narrow.coverage(0.9) < 0.75);
   // Proper: who says what is so has the better score.
   CHECK(honest.mean_crps() < narrow.mean_crps());
-  honest.add(kMixture, kNoValue);
+  honest.add(kThreeNormals, kNoValue);
   CHECK(honest.count() == 4000);
 }
 
@@ -119,15 +119,15 @@ TEST_CASE("a forecast of several outputs is scored by the mean over what was mea
 }
 
 TEST_CASE("forecasts that are none are refused with what is wrong") {
-  CHECK_THROWS_WITH(crps(kMixture, kNoValue), Catch::Contains("is nan; a finite one was expected"));
+  CHECK_THROWS_WITH(crps(kThreeNormals, kNoValue), Catch::Contains("is nan; a finite one was expected"));
   CHECK_THROWS_WITH(crps(normal(0.0, -1.0), 0.0), Catch::Contains("the deviation -1"));
   CHECK_THROWS_WITH(crps(normal(kNoValue, 1.0), 0.0), Catch::Contains("the mean nan"));
   CHECK_THROWS_WITH(crps({}, 0.0), Catch::Contains("0 weights"));
-  NormalMixture heavy = kMixture;
+  NormalMixture heavy = kThreeNormals;
   heavy.weights *= 2.0;
   CHECK_THROWS_WITH(quantile(heavy, 0.5), Catch::Contains("1 was expected"));
-  CHECK_THROWS_AS(quantile(kMixture, 1.0), samara::ArgumentError);
-  CHECK_THROWS_AS(probability_below(kMixture, kNoValue), samara::ArgumentError);
+  CHECK_THROWS_AS(quantile(kThreeNormals, 1.0), samara::ArgumentError);
+  CHECK_THROWS_AS(probability_below(kThreeNormals, kNoValue), samara::ArgumentError);
   Forecast forecast{.times = Eigen::VectorXd::Ones(1), .outputs = {"x"}};
   forecast.components.push_back({1.0, Eigen::MatrixXd::Ones(1, 1), {Eigen::MatrixXd::Constant(1, 1, -1.0)}});
   CHECK_THROWS_WITH(marginal(forecast, 0, 0), Catch::Contains("variance of a forecast is -1"));
