@@ -22,51 +22,24 @@ constexpr double kRidgeAtFirst = 0.1;
 constexpr double kRidgesTried[] = {0.03, 0.3, 1.0};
 constexpr double kOfLinear = 1.0 / 30.0;  ///< of the ridge
 
-double polynomial(double x, std::initializer_list<double> coefficients) {
-  double sum = 0.0;
-  for (auto c = std::rbegin(coefficients); c != std::rend(coefficients); ++c) sum = sum * x + *c;
-  return sum;
-}
-
-/// exp(-x) I_0(x) and exp(-x) I_1(x) of x >= 0, to 3e-7 (Abramowitz and Stegun, Handbook of Mathematical Functions, 1964,
-/// 9.8.1 to 9.8.4).
-constexpr double kSeries = 3.75;
-double scaled_i0(double x) {
-  if (x < kSeries) {
-    return std::exp(-x) * polynomial(x * x / (kSeries * kSeries),
-                                     {1.0, 3.5156229, 3.0899424, 1.2067492, 0.2659732, 0.0360768, 0.0045813});
-  }
-  return polynomial(kSeries / x, {0.39894228, 0.01328592, 0.00225319, -0.00157565, 0.00916281, -0.02057706,
-                                  0.02635537, -0.01647633, 0.00392377}) /
-         std::sqrt(x);
-}
-double scaled_i1(double x) {
-  if (x < kSeries) {
-    return std::exp(-x) * x *
-           polynomial(x * x / (kSeries * kSeries),
-                      {0.5, 0.87890594, 0.51498869, 0.15084934, 0.02658733, 0.00301532, 0.00032411});
-  }
-  return polynomial(kSeries / x, {0.39894228, -0.03988024, -0.00362018, 0.00163801, -0.01031555, 0.02282967,
-                                  -0.02895312, 0.01787654, -0.00420059}) /
-         std::sqrt(x);
-}
-
 void check_turning(std::span<const Turning> features, std::span<const Turning> values,
                    std::span<const std::size_t> parts, const CovariantRegression::Weights& weights) {
   if (features.size() != values.size() || features.size() != parts.size()) {
     throw ArgumentError(fmt::format("{} moments have {} values and {} parts; as many were expected",
                                     features.size(), values.size(), parts.size()));
   }
-  const auto check = [](const Turning& one, Eigen::Index level, Eigen::Index others) {
-    if (one.level.size() != level || one.others.size() != others) {
-      throw ArgumentError(fmt::format("a moment has {} level and {} other numbers; {} and {} were expected",
-                                      one.level.size(), one.others.size(), level, others));
+  const auto check = [](const Turning& one, Eigen::Index level, Eigen::Index others, Eigen::Index views) {
+    if (one.level.size() != level || one.others.size() != others || one.views.size() != views) {
+      throw ArgumentError(
+          fmt::format("a moment has {} level numbers, {} others and {} of views; {}, {} and {} were expected",
+                      one.level.size(), one.others.size(), one.views.size(), level, others, views));
     }
-    if (!one.level.allFinite() || !one.others.allFinite())
+    if (!one.level.allFinite() || !one.others.allFinite() || !one.views.allFinite())
       throw ArgumentError("a moment has numbers that are not finite; finite ones were expected");
   };
-  for (const Turning& one : features) check(one, weights.level.size(), weights.others.size());
-  for (const Turning& one : values) check(one, values.front().level.size(), values.front().others.size());
+  for (const Turning& one : features)
+    check(one, weights.level.size(), weights.others.size(), weights.views.size());
+  for (const Turning& one : values) check(one, values.front().level.size(), values.front().others.size(), 0);
 }
 
 /// At most `most`, whatever order they come in and however they are turned.
@@ -98,43 +71,6 @@ Eigen::MatrixXd real_above_imaginary(const Eigen::MatrixXcd& values) {
   Eigen::MatrixXd rows(2 * values.rows(), values.cols());
   rows << values.real(), values.imag();
   return rows;
-}
-
-/// Of moments and centres: z, and the logarithm of what I_n(|z|) exp(-|z|) is multiplied by; as they are seen and with the
-/// centres mirrored.
-struct Product {
-  Eigen::ArrayXXcd z = {};
-  Eigen::ArrayXXd size = {};  ///< |z|
-  Eigen::ArrayXXd log = {};
-};
-struct Products {
-  Product as_seen = {}, mirrored = {};
-};
-
-/// @param moments, centres features times weights over the length
-Products products_of(const TurningRows& moments, const TurningRows& centres) {
-  const auto squares = [](const TurningRows& rows) -> Eigen::VectorXd {
-    return rows.level.rowwise().squaredNorm() + rows.others.rowwise().squaredNorm();
-  };
-  Eigen::MatrixXd logs = moments.others * centres.others.transpose();
-  logs.colwise() -= 0.5 * squares(moments);
-  logs.rowwise() -= 0.5 * squares(centres).transpose();
-  const auto product = [&](const Eigen::MatrixXcd& z) {
-    Product one{.z = z.array(), .size = z.array().abs2().sqrt()};
-    one.log = logs.array() + one.size;
-    return one;
-  };
-  return {product(moments.level * centres.level.adjoint()),
-          product(moments.level * centres.level.transpose())};
-}
-
-/// k_0/2 and k_1/2.
-Eigen::ArrayXXd still_kernel(const Product& product) {
-  return 0.5 * product.log.exp() * product.size.unaryExpr(&scaled_i0);
-}
-Eigen::ArrayXXcd turning_kernel(const Product& product) {
-  const Eigen::ArrayXXd direction = product.size.max(std::numeric_limits<double>::min()).inverse();
-  return product.z * (0.5 * product.log.exp() * product.size.unaryExpr(&scaled_i1) * direction);
 }
 
 /// Coefficients by all moments and without each part, and what these leave of the part's values.
@@ -192,8 +128,9 @@ CovariantRegression::Steps CovariantRegression::Steps::begin(std::span<const Tur
                                                              Eigen::Index most_centres) {
   Steps steps;
   const std::vector<std::size_t> chosen = every_so_many(features, parts, most);
-  const Eigen::MatrixXcd level = rows_of(features, chosen, &Turning::level);
-  const Eigen::MatrixXd others = rows_of(features, chosen, &Turning::others);
+  const TurningRows seen{rows_of(features, chosen, &Turning::level),
+                         rows_of(features, chosen, &Turning::others),
+                         rows_of(features, chosen, &Turning::views)};
   const double count = static_cast<double>(chosen.size());
   // What does not vary says nothing: in units of infinity it is 0.
   const auto or_silence = [](const Eigen::RowVectorXd& widths, const Eigen::RowVectorXd& sizes) {
@@ -203,17 +140,25 @@ CovariantRegression::Steps CovariantRegression::Steps::begin(std::span<const Tur
   };
   CovariantRegression& regression = steps.regression;
   regression.weights_ = weights;
-  const Eigen::RowVectorXd squares = level.cwiseAbs2().colwise().sum();
-  regression.level_width_ =
-      or_silence((squares / (2.0 * count)).cwiseSqrt(), Eigen::RowVectorXd::Zero(squares.size()));
-  regression.middle_ = others.colwise().mean();
-  regression.width_ = or_silence((others.rowwise() - regression.middle_).colwise().norm() / std::sqrt(count),
-                                 regression.middle_.cwiseAbs());
-  steps.rows = regression.scaled(level, others);
+  // Of level numbers about 0, of those of both views about their common mean.
+  const auto width_of_both = [&](const Eigen::MatrixXcd& both, const Eigen::RowVectorXd& sizes) {
+    return or_silence((both.cwiseAbs2().colwise().sum() / (2.0 * count)).cwiseSqrt(), sizes);
+  };
+  regression.level_width_ = width_of_both(seen.level, Eigen::RowVectorXd::Zero(seen.level.cols()));
+  regression.middle_ = seen.others.colwise().mean();
+  regression.width_ =
+      or_silence((seen.others.rowwise() - regression.middle_).colwise().norm() / std::sqrt(count),
+                 regression.middle_.cwiseAbs());
+  const Eigen::RowVectorXcd of_views = seen.views.colwise().mean();
+  regression.view_middle_ = 0.5 * (of_views.real() + of_views.imag());
+  regression.view_width_ =
+      width_of_both(seen.views.rowwise() - regression.in_both_views(), regression.view_middle_.cwiseAbs());
+  steps.rows = regression.scaled(seen);
   std::vector<Eigen::Index> centres;
   const Eigen::Index rows = std::ssize(chosen), many = std::min(rows, most_centres);
   for (Eigen::Index k = 0; k < many; ++k) centres.push_back(k * rows / many);
-  regression.centres_ = {steps.rows.level(centres, Eigen::all), steps.rows.others(centres, Eigen::all)};
+  regression.centres_ = {steps.rows.level(centres, Eigen::all), steps.rows.others(centres, Eigen::all),
+                         steps.rows.views(centres, Eigen::all)};
   steps.level_values = real_above_imaginary(rows_of(values, chosen, &Turning::level));
   steps.other_values = rows_of(values, chosen, &Turning::others);
   steps.other_members.resize(*std::ranges::max_element(parts) + 1);
@@ -221,8 +166,8 @@ CovariantRegression::Steps CovariantRegression::Steps::begin(std::span<const Tur
     steps.other_members[parts[chosen[k]]].push_back(static_cast<Eigen::Index>(k));
   steps.level_members = steps.other_members;
   for (std::vector<Eigen::Index>& part : steps.level_members) {
-    const auto seen = part;
-    for (const Eigen::Index row : seen) part.push_back(row + rows);
+    const auto of_part = part;
+    for (const Eigen::Index row : of_part) part.push_back(row + rows);
   }
   return steps;
 }
@@ -244,7 +189,7 @@ double CovariantRegression::Steps::solve_level(double length, double ridge) {
 double CovariantRegression::Steps::solve_others(double length, double ridge) {
   const Eigen::MatrixXd terms = regression.other_terms(rows, length);
   Eigen::MatrixXd penalty = Eigen::MatrixXd::Zero(terms.cols(), terms.cols());
-  const Eigen::Index linear = rows.others.cols(), bent = terms.cols() - linear - 1;
+  const Eigen::Index linear = rows.others.cols() + rows.views.cols(), bent = terms.cols() - linear - 1;
   penalty.diagonal().segment(1, linear).setConstant(ridge * kOfLinear);
   penalty.bottomRightCorner(bent, bent) =
       ridge * regression.other_terms(regression.centres_, length).rightCols(bent);
@@ -294,49 +239,59 @@ CovariantRegression CovariantRegression::fit(std::span<const Turning> features,
   return all.regression;
 }
 
-TurningRows CovariantRegression::scaled(Eigen::MatrixXcd level, Eigen::MatrixXd others) const {
-  level *= level_width_.cwiseInverse().cast<std::complex<double>>().asDiagonal();
-  others.rowwise() -= middle_;
-  others *= width_.cwiseInverse().asDiagonal();
-  return {std::move(level), std::move(others)};
+Eigen::RowVectorXcd CovariantRegression::in_both_views() const {
+  return view_middle_.cast<std::complex<double>>() * std::complex<double>(1.0, 1.0);
+}
+
+TurningRows CovariantRegression::scaled(TurningRows rows) const {
+  rows.level *= level_width_.cwiseInverse().cast<std::complex<double>>().asDiagonal();
+  rows.others.rowwise() -= middle_;
+  rows.others *= width_.cwiseInverse().asDiagonal();
+  rows.views.rowwise() -= in_both_views();
+  rows.views *= view_width_.cwiseInverse().cast<std::complex<double>>().asDiagonal();
+  return rows;
 }
 
 TurningRows CovariantRegression::in_kernel(const TurningRows& rows, double length) const {
   return {rows.level * (weights_.level / length).cast<std::complex<double>>().asDiagonal(),
-          rows.others * (weights_.others / length).asDiagonal()};
+          rows.others * (weights_.others / length).asDiagonal(),
+          rows.views * (weights_.views / length).cast<std::complex<double>>().asDiagonal()};
 }
 
 Eigen::MatrixXd CovariantRegression::level_terms(const TurningRows& rows, double length) const {
-  const Products products = products_of(in_kernel(rows, length), in_kernel(centres_, length));
-  const Eigen::MatrixXcd as_seen = turning_kernel(products.as_seen),
-                         mirrored = turning_kernel(products.mirrored);
+  const TurningKernel kernel = turning_kernel(in_kernel(rows, length), in_kernel(centres_, length));
   const Eigen::Index linear = rows.level.cols(), centres = centres_.level.rows();
   Eigen::MatrixXd terms(2 * rows.level.rows(), linear + 2 * centres);
   terms.leftCols(linear) = real_above_imaginary(rows.level);
   // Of real and imaginary parts of c_j.
-  terms.middleCols(linear, centres) = real_above_imaginary(as_seen + mirrored);
-  terms.rightCols(centres) = real_above_imaginary(std::complex<double>(0.0, 1.0) * (as_seen - mirrored));
+  terms.middleCols(linear, centres) = real_above_imaginary(kernel.as_seen + kernel.mirrored);
+  terms.rightCols(centres) =
+      real_above_imaginary(std::complex<double>(0.0, 1.0) * (kernel.as_seen - kernel.mirrored));
   return terms;
 }
 
 Eigen::MatrixXd CovariantRegression::other_terms(const TurningRows& rows, double length) const {
-  const Products products = products_of(in_kernel(rows, length), in_kernel(centres_, length));
-  Eigen::MatrixXd terms(rows.others.rows(), 1 + rows.others.cols() + centres_.others.rows());
+  const Eigen::Index others = rows.others.cols(), views = rows.views.cols(), centres = centres_.others.rows();
+  Eigen::MatrixXd terms(rows.others.rows(), 1 + others + views + centres);
   terms.col(0).setOnes();
-  terms.middleCols(1, rows.others.cols()) = rows.others;
-  terms.rightCols(centres_.others.rows()) = still_kernel(products.as_seen) + still_kernel(products.mirrored);
+  terms.middleCols(1, others) = rows.others;
+  terms.middleCols(1 + others, views) = rows.views.real() + rows.views.imag();
+  terms.rightCols(centres) = still_kernel(in_kernel(rows, length), in_kernel(centres_, length));
   return terms;
 }
 
 Turning CovariantRegression::values_at(const Turning& features, const Eigen::MatrixXd& level,
                                        const Eigen::MatrixXd& others) const {
   if (!is_fitted() || features.level.size() != level_width_.size() ||
-      features.others.size() != width_.size()) {
+      features.others.size() != width_.size() || features.views.size() != view_width_.size()) {
     throw ArgumentError(fmt::format(
-        "a regression of {} level and {} other numbers was asked about {} and {}; as many were expected",
-        level_width_.size(), width_.size(), features.level.size(), features.others.size()));
+        "a regression of {} level numbers, {} others and {} of views was asked about {}, {} and {}; as many "
+        "were expected",
+        level_width_.size(), width_.size(), view_width_.size(), features.level.size(), features.others.size(),
+        features.views.size()));
   }
-  const TurningRows here = scaled(features.level.transpose(), features.others.transpose());
+  const TurningRows here =
+      scaled({features.level.transpose(), features.others.transpose(), features.views.transpose()});
   const Eigen::MatrixXd turning = level_terms(here, level_.length) * level;
   Turning values{.level = Eigen::VectorXcd(turning.cols())};
   values.level.real() = turning.row(0).transpose();

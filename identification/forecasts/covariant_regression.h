@@ -5,51 +5,40 @@
 
 #include <Eigen/Core>
 
+#include "samara/identification/forecasts/covariant_kernel.h"
+
 /// Regression that turns with the motion: what it learned holds however a motion is turned about the vertical, and for
-/// its mirror image.
+/// its mirror image; with views, for quarter turns and mirror images.
 ///
-/// A moment m has level features a, displacements as complex numbers x + iy, and others b that do not turn, each in
-/// units of its deviation. Of the Gaussian kernel between features times weights w,
+/// A moment has level features a, others b that do not turn and views v, each in units of its deviation, and the
+/// kernels are those of covariant_kernel.h between features times weights w, in lengths h: w a/h, w b/h and w v/h. With
+/// k_n of a moment j, and k_n' of its mirror image, values that turn are
 ///
-///     exp(-(|w (a - R a_j)|^2 + |w (b - b_j)|^2)/(2 h^2)),
+///     sum_k beta_k a_k + sum_j (k_1 c_j + k_1' c_j*)/2,  beta real, c_j complex,
 ///
-/// the means over all turns R = exp(it), as it is and times R, are covariant kernels (Glielmo, Sollich and De Vita, Phys.
-/// Rev. B 95 (2017) 214302). With z_j = sum_k w_k^2 a_k a_jk*/h^2 they are
-///
-///     k_n(z_j) = exp(-(|w a|^2 + |w a_j|^2 + |w (b - b_j)|^2)/(2 h^2)) I_n(|z_j|) (z_j/|z_j|)^n,  n = 0, 1,
-///
-/// I_n the modified Bessel functions. With z_j' that of the mirror image a_j*, values that turn are
-///
-///     sum_k beta_k a_k + sum_j (k_1(z_j) c_j + k_1(z_j') c_j*)/2,  beta real, c_j complex,
-///
-/// and others gamma_0 + sum_k gamma_k b_k + sum_j (k_0(z_j) + k_0(z_j')) d_j/2. Coefficients have the least sum of squares
-/// over all training moments and the penalty r (c . K c + |beta|^2/30), K the kernel between the centres j: moments, or
-/// every so many of them (regression on a subset; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006,
-/// section 8.3.1). The length h and the ridge r of either kind of values are those with which parts of the training
-/// predict the others best.
+/// and others gamma_0 + sum_k gamma_k b_k + sum_k delta_k (v_k of both views) + sum_j (k_0 + k_0') d_j/2. Coefficients
+/// have the least sum of squares over all training moments and the penalty r (c . K c + |beta|^2/30), K the kernel
+/// between the centres j: moments, or every so many of them (regression on a subset; Rasmussen and Williams, Gaussian
+/// Processes for Machine Learning, 2006, section 8.3.1). The length h and the ridge r of either kind of values are
+/// those with which parts of the training predict the others best.
 namespace samara::identification {
 
-/// Numbers of a motion: those that turn with it about the vertical, and the others.
+/// Numbers of a moment (covariant_kernel.h).
 struct Turning {
   Eigen::VectorXcd level = {};
   Eigen::VectorXd others = {};
-};
-
-/// The same of moments, a row each.
-struct TurningRows {
-  Eigen::MatrixXcd level = {};
-  Eigen::MatrixXd others = {};
+  Eigen::VectorXcd views = {};  ///< none of values
 };
 
 class CovariantRegression {
  public:
-  /// So many moments at most, and so many centres; of more, every so many in the order of the parts. Length and ridge are
-  /// chosen with fewer.
+  /// So many moments at most, and so many centres; of more, every so many in the order of the parts. Length and ridge
+  /// are chosen with fewer.
   static constexpr Eigen::Index kMost = 4000, kCentres = 600, kChoosing = 600, kChoosingCentres = 150;
 
   /// What the kernel takes features times: 0 for those of which it sees nothing.
   struct Weights {
-    Eigen::VectorXd level = {}, others = {};
+    Eigen::VectorXd level = {}, others = {}, views = {};
   };
 
   /// @param features, values of each moment, as many for all
@@ -78,8 +67,10 @@ class CovariantRegression {
   };
   struct Steps;  ///< of the fit
 
+  /// The common mean of both views, as seen in both.
+  Eigen::RowVectorXcd in_both_views() const;
   /// Features in units of their deviation.
-  TurningRows scaled(Eigen::MatrixXcd level, Eigen::MatrixXd others) const;
+  TurningRows scaled(TurningRows features) const;
   /// These as the kernel takes them: times weights, in lengths.
   TurningRows in_kernel(const TurningRows& rows, double length) const;
   /// Terms of values that turn, rows of their real parts and below them of their imaginary ones.
@@ -89,7 +80,7 @@ class CovariantRegression {
                     const Eigen::MatrixXd& others) const;
 
   Weights weights_ = {};
-  Eigen::RowVectorXd level_width_ = {}, middle_ = {}, width_ = {};
+  Eigen::RowVectorXd level_width_ = {}, middle_ = {}, width_ = {}, view_middle_ = {}, view_width_ = {};
   TurningRows centres_ = {};
   Found level_ = {}, others_ = {};
 };

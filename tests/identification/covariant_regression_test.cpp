@@ -111,6 +111,55 @@ TEST_CASE("values turn with the moment, and are mirrored with it") {
   }
 }
 
+namespace {
+
+/// Along each axis values depend on what is seen along it: quarter turns exchange both, other turns nothing.
+Turning viewed_values(const Turning& features) {
+  const std::complex<double> a = features.level[0], view = features.views[0];
+  return {Eigen::VectorXcd::Constant(1, {a.real() * view.real(), a.imag() * view.imag()}),
+          Eigen::VectorXd::Constant(1, view.real() * view.imag())};
+}
+
+/// Views beside moments at random, with values of these.
+TurningSample viewed_sample(int count, std::uint64_t number) {
+  TurningSample sample = turning_sample(count, number);
+  samara::Stream stream(53, number);
+  for (std::size_t k = 0; k < sample.features.size(); ++k) {
+    const double along_x = stream.uniform();
+    sample.features[k].views = Eigen::VectorXcd::Constant(1, {along_x, stream.uniform()});
+    sample.values[k] = viewed_values(sample.features[k]);
+  }
+  return sample;
+}
+
+}  // namespace
+
+TEST_CASE("a covariant regression learns of views, and quarter turns exchange them") {
+  const TurningSample sample = viewed_sample(500, 12), unseen = viewed_sample(50, 13);
+  const CovariantRegression::Weights weights{Eigen::VectorXd::Ones(2), Eigen::VectorXd::Ones(2),
+                                             Eigen::VectorXd::Ones(1)};
+  const CovariantRegression regression =
+      CovariantRegression::fit(sample.features, sample.values, sample.parts, weights);
+  TurningSample blind = sample;
+  for (Turning& one : blind.features) one.views.resize(0);
+  const CovariantRegression without = learned(blind);
+  double left = 0.0, left_without = 0.0;
+  for (std::size_t k = 0; k < unseen.features.size(); ++k) {
+    const Turning& one = unseen.features[k];
+    const Turning said = regression.at(one);
+    left += apart(said, unseen.values[k]);
+    left_without += apart(without.at({one.level, one.others}), unseen.values[k]);
+    const std::complex<double> quarter(0.0, 1.0);
+    const Turning turned = regression.at({quarter * one.level, one.others, quarter * one.views.conjugate()}),
+                  mirrored = regression.at({one.level.conjugate(), one.others, one.views});
+    CHECK(apart(turned, {quarter * said.level, said.others}) < 1e-10);
+    CHECK(apart(mirrored, {said.level.conjugate(), said.others}) < 1e-10);
+  }
+  CHECK(left < 0.5 * left_without);
+  CHECK_THROWS_WITH(regression.at({unseen.features[0].level, unseen.features[0].others}),
+                    Catch::Contains("1 of views was asked about 2, 2 and 0"));
+}
+
 TEST_CASE("training that is turned and mirrored, each moment by itself, teaches the same") {
   TurningSample sample = turning_sample(150, 5, bent_values, 0.1);
   const CovariantRegression before = learned(sample);
@@ -168,7 +217,7 @@ TEST_CASE("a covariant regression refuses what does not match, and one part has 
   TurningSample sample = turning_sample(30, 11);
   const CovariantRegression regression = learned(sample);
   CHECK_THROWS_WITH(regression.at({Eigen::VectorXcd::Zero(3), Eigen::VectorXd::Zero(2)}),
-                    Catch::Contains("3 and 2"));
+                    Catch::Contains("3, 2 and 0"));
   std::ranges::fill(sample.parts, std::size_t{0});
   CHECK_FALSE(learned(sample).is_fitted());
   CHECK_FALSE(CovariantRegression::fit({}, {}, {}, kAllAlike).is_fitted());
