@@ -348,10 +348,11 @@ Eigen::RowVectorXd Autoregression::predict(std::size_t without, const SeenMotion
   const auto recent = is_fitted() ? recent_motion(seen) : std::nullopt;
   if (!recent) return Eigen::RowVectorXd::Constant(seen.positions.cols(), kUnsaid);
   const Eigen::RowVectorXd first = first_prediction(without, seen, *recent, known);
-  if (!turning_.is_fitted() || recent->seen_for < kLeastSeen * way_back_) return first;
+  if (!turning_.is_fitted() || !turning_.is_shown_by(seen) || recent->seen_for < kLeastSeen * way_back_)
+    return first;
   const Eigen::RowVectorXd moved =
       without == kNoPart ? turning_.moved(seen, known) : turning_.moved_without(without, seen, known);
-  return 0.5 * (first + recent->last + moved);
+  return (1.0 - turning_.share()) * first + turning_.share() * (recent->last + moved);
 }
 
 Eigen::RowVectorXd Autoregression::first_prediction(std::size_t without, const SeenMotion& seen,

@@ -30,8 +30,8 @@
 /// the known numbers. It learns what each fifth's motions had left when the others predicted them. A motion seen for
 /// less than three quarters of that way is not corrected, nor are motions with three level components or more.
 ///
-/// Motions with two level components may have a second prediction, which turns with them (turning_prediction.h): what is
-/// predicted is the mean of both then.
+/// Motions with two level components may have a second prediction, which turns with them and looks at views, too
+/// (turning_prediction.h): what is predicted is the mean of both then, or the second alone.
 namespace samara::identification {
 
 /// One moment of a motion: what was seen before it, and where the motion was later.

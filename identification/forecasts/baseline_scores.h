@@ -50,6 +50,10 @@ struct SeenMotion {
   Eigen::MatrixXd rates = {};
   Eigen::Index up = -1;            ///< the component against gravity; below 0: none is
   double net_weight = kStandardG;  ///< m/s^2, of a body: weight less buoyancy, by its mass; below 0: it rises
+  /// What two cameras show of the body besides its place, such as sizes and shapes of its silhouette: real parts as
+  /// seen along the first level component, imaginary ones as seen along the second; frames x numbers, NaN where
+  /// missing. May be empty. Baselines do not look at it.
+  Eigen::MatrixXcd views = {};
 };
 
 /// Attitudes that were seen: quaternions (w, x, y, z), body to world, of any length but 0; NaN where missing.
@@ -65,8 +69,8 @@ struct SeenTurn {
 /// @throws ArgumentError for sizes that differ or times that are not finite.
 Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::VectorXd& times);
 
-/// By how much the noise of single values grows on the way to a time: the root of the sum of squares of the weights with
-/// which the baseline adds them up; the largest of all components. For the measured velocity these are weights of
+/// By how much the noise of single values grows on the way to a time: the root of the sum of squares of the weights
+/// with which the baseline adds them up; the largest of all components. For the measured velocity these are weights of
 /// rates, in s; a point with drag counts as a parabola. NaN where the baseline is silent.
 /// @throws ArgumentError as predict()
 double noise_gain(Baseline baseline, const SeenMotion& span, double time);

@@ -1,6 +1,7 @@
 #include "samara/identification/forecasts/recent_motion.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include <Eigen/QR>
@@ -75,6 +76,28 @@ Eigen::MatrixXd places_back(const SeenMotion& seen, const Eigen::VectorXd& inter
                     positions.row(newest);
   }
   return places;
+}
+
+Eigen::MatrixXcd views_back(const SeenMotion& seen, const Eigen::VectorXd& intervals) {
+  Eigen::MatrixXcd views = Eigen::MatrixXcd::Constant(intervals.size(), seen.views.cols(), kUnseen);
+  const std::vector<Eigen::Index> placed = complete_frames(seen);
+  std::vector<Eigen::Index> frames;
+  for (Eigen::Index k = 0; k < seen.views.rows(); ++k) {
+    if (seen.views.row(k).allFinite()) frames.push_back(k);
+  }
+  if (placed.size() < 2 || frames.empty()) return views;
+  const double interval = median_interval(seen.times(placed));
+  for (Eigen::Index k = 0; k < intervals.size(); ++k) {
+    const double at = seen.times[placed.back()] - intervals[k] * interval;
+    const auto after =
+        std::ranges::lower_bound(frames, at, {}, [&](Eigen::Index f) { return seen.times[f]; });
+    const Eigen::Index right = after == frames.end() ? frames.back() : *after,
+                       left = after == frames.begin() ? right : *std::prev(after);
+    const double apart = seen.times[right] - seen.times[left];
+    const double part = apart > 0.0 ? std::min((at - seen.times[left]) / apart, 1.0) : 0.0;
+    views.row(k) = (1.0 - part) * seen.views.row(left) + part * seen.views.row(right);
+  }
+  return views;
 }
 
 LevelFrame::LevelFrame(const Components& components, const Eigen::RowVectorXd& velocity)

@@ -40,6 +40,10 @@ std::optional<RecentMotion> recent_motion(const SeenMotion& seen);
 /// Displacements some intervals back, a row each, by the same rules.
 Eigen::MatrixXd places_back(const SeenMotion& seen, const Eigen::VectorXd& intervals);
 
+/// Views some intervals back from the newest place, a row each: on straight lines between frames that show all of them,
+/// and as in the nearest one before the first and after the last. NaN where there is none.
+Eigen::MatrixXcd views_back(const SeenMotion& seen, const Eigen::VectorXd& intervals);
+
 /// Numbers of a motion that a mirror leaves as they are, and those whose sign it turns.
 struct Mirrored {
   Eigen::VectorXd even = {}, odd = {};
