@@ -173,6 +173,13 @@ std::vector<Capture> flagged_plate_drops(const std::filesystem::path& folder, co
   return drops;
 }
 
+Eigen::MatrixXcd silhouettes_of(const Capture& drop) {
+  Eigen::MatrixXcd views(drop.frame_count(), 2);
+  views.real() << drop.channel("aspect_1").values, drop.channel("area_1").values;
+  views.imag() << drop.channel("aspect_2").values, drop.channel("area_2").values;
+  return views;
+}
+
 Flutter measured_flutter(const std::vector<Capture>& drops, const PlateKind& kind) {
   std::vector<Flutter> all;
   for (const Capture& drop : drops) {

@@ -35,6 +35,10 @@ std::vector<samara::identification::Capture> plate_drops(const std::filesystem::
 std::vector<samara::identification::Capture> flagged_plate_drops(const std::filesystem::path& folder,
                                                                  const PlateKind& kind);
 
+/// Aspect (of the box around it) and area of the silhouette: real parts as seen along x, imaginary ones as seen along
+/// y. Frames x 2.
+Eigen::MatrixXcd silhouettes_of(const samara::identification::Capture& drop);
+
 /// Medians over drops.
 samara::identification::Flutter measured_flutter(const std::vector<samara::identification::Capture>& drops,
                                                  const PlateKind& kind);

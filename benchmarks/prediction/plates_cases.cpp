@@ -1,7 +1,8 @@
-/// Square plates that settle in water, from positions alone: 0.4 swings beyond a window of one swing, on eight drops
+/// Square plates that settle in water, 0.4 swings beyond a window of one swing, on eight drops
 /// that had no part in the fit of eight others, in three splits drawn with the seeds 1 to 3. A moment is asked about
 /// every third frame. All drops that are not asked about teach the autoregression and the baselines. Where they are
-/// few, those that the source's index flags teach the autoregression, too.
+/// few, those that the source's index flags teach the autoregression, too. Body and baselines see positions alone, the
+/// autoregression silhouettes besides.
 ///
 /// Cleaning takes out frames far from their neighbours on both sides: windows that are predicted are cleaned without
 /// what came after them.
@@ -61,6 +62,14 @@ double net_weight(const PlateKind& kind) {
   return samara::identification::kStandardG * (1.0 - identification::kWater / kind.density);
 }
 
+/// @param model as of moment_of()
+AskedMoment plate_moment(const Window& window, int cluster, const PlateKind& kind,
+                         const Eigen::RowVectorXd& model = {}) {
+  AskedMoment moment = moment_of(window, cluster, {}, model, net_weight(kind));
+  moment.moment.seen.views = identification::silhouettes_of(window.capture);
+  return moment;
+}
+
 /// Windows predicted by a fit of every third one of others.
 std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>& others,
                                const std::vector<Window>& left_out) {
@@ -71,8 +80,8 @@ std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>&
   fmt::print(stderr, "  {} windows predicted in {:.1f} s\n", left_out.size(), predicted.fit.seconds);
   std::vector<AskedMoment> moments;
   for (std::size_t k = 0; k < left_out.size(); ++k)
-    moments.push_back(moment_of(left_out[k], number_of(left_out[k]), {},
-                                predicted.next.row(static_cast<Eigen::Index>(k)), net_weight(kind)));
+    moments.push_back(plate_moment(left_out[k], number_of(left_out[k]), kind,
+                                   predicted.next.row(static_cast<Eigen::Index>(k))));
   return moments;
 }
 
@@ -95,7 +104,7 @@ std::vector<AskedMoment> of_flagged(const std::vector<Capture>& flagged, const P
       const Eigen::MatrixX3d all = positions.middleRows(window.first, kind.frames + kind.ahead);
       const Eigen::MatrixX3d steps = all.bottomRows(all.rows() - 1) - all.topRows(all.rows() - 1);
       if (!(steps.rowwise().norm().maxCoeff() < kJump) || window.next_time > longest) continue;
-      AskedMoment moment = moment_of(window, first + static_cast<int>(k), {}, {}, net_weight(kind));
+      AskedMoment moment = plate_moment(window, first + static_cast<int>(k), kind);
       moment.for_autoregression_only = true;
       moments.push_back(std::move(moment));
     }
@@ -137,7 +146,7 @@ SplitScores one_split(const std::string& test_case, const PlateDrops& of_kind, c
       training.push_back(std::move(moment));
   }
   for (const Window& window : windows_of(drops, known, cut_every(of_kind.flagged.empty() ? kDense : kEvery)))
-    training.push_back(moment_of(window, number_of(window), {}, {}, net_weight(kind)));
+    training.push_back(plate_moment(window, number_of(window), kind));
   for (AskedMoment& moment : of_flagged(of_kind.flagged, kind, static_cast<int>(drops.size())))
     training.push_back(std::move(moment));
   return score_split(

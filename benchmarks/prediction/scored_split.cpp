@@ -56,6 +56,14 @@ std::vector<AskedMoment> without_body(std::vector<AskedMoment> moments) {
   return moments;
 }
 
+constexpr const char* kPlacesAlone = "mixture of places alone";
+
+/// The same moments without views: what a mixture reaches that sees places alone.
+std::vector<AskedMoment> without_views(std::vector<AskedMoment> moments) {
+  for (AskedMoment& asked : moments) asked.moment.seen.views.resize(0, 0);
+  return moments;
+}
+
 /// The plain baseline that is best by a score.
 const PredictionScore& best_plain(const SplitScores& split, double PredictionScore::*score) {
   const PredictionScore* best = nullptr;
@@ -71,6 +79,17 @@ void add_forecast(const SaidForecast& said, const samara::identification::Traini
   tally.add(samara::identification::prediction_distances(said.mean, moment.next), moment.cluster);
   for (std::size_t c = 0; c < said.parts.size(); ++c)
     tally.add_forecast(said.parts[c], moment.next[static_cast<Eigen::Index>(c)]);
+}
+
+/// What the mixture says, as another predictor.
+void add_mixture(const std::string& as, const std::string& name, const TrainedForecasts& trained,
+                 const std::vector<AskedMoment>& unseen, std::map<std::string, PredictionTally>& tallies) {
+  PredictionTally& tally = tallies.try_emplace(as, as, name).first->second;
+  for (const AskedMoment& asked : unseen) {
+    for (const SaidForecast& said : trained.say(asked)) {
+      if (said.predictor == kOurs) add_forecast(said, asked.moment, tally);
+    }
+  }
 }
 
 void add_scores(const std::string& name, const TrainedForecasts& trained,
@@ -93,14 +112,12 @@ SplitScores score_split(const std::string& name, const std::vector<Questioned>& 
     const auto& correction = trained.autoregression().correction();
     fmt::print(stderr, "; correction: length {}, ridge {}\n", correction.length(), correction.ridge());
     add_scores(name, trained, part.unseen, tallies);
-    PredictionTally& without = tallies.try_emplace(kWithoutBody, kWithoutBody, name).first->second;
-    const TrainedForecasts bodiless =
-        TrainedForecasts::train(without_body(part.training), kInSpace, trained.autoregression());
-    for (const AskedMoment& asked : without_body(part.unseen)) {
-      for (const SaidForecast& said : bodiless.say(asked)) {
-        if (said.predictor == kOurs) add_forecast(said, asked.moment, without);
-      }
-    }
+    add_mixture(kWithoutBody, name,
+                TrainedForecasts::train(without_body(part.training), kInSpace, trained.autoregression()),
+                without_body(part.unseen), tallies);
+    if (!trained.autoregression().turning().sees_views()) continue;
+    add_mixture(kPlacesAlone, name, TrainedForecasts::train(without_views(part.training), kInSpace),
+                without_views(part.unseen), tallies);
   }
   SplitScores result;
   for (const auto& [predictor, tally] : tallies) {
@@ -152,6 +169,8 @@ void report(const std::string& test_case, const std::vector<SplitScores>& splits
   beside("median_autoregression", by_median, samara::identification::kAutoregression,
          &PredictionScore::median);
   beside("median_body", by_median, "model", &PredictionScore::median);
+  if (by_median.of.contains(kPlacesAlone))
+    beside("median_places_alone", by_median, kPlacesAlone, &PredictionScore::median);
   double coverage = 0.9;
   for (const SplitScores& split : splits) {
     const double here = split.of.at(kOurs).coverage90;

@@ -116,6 +116,7 @@ TEST_CASE("falling paper and settling plates are read with what is known of each
   CHECK(settling.size() > 10);
   for (const Capture& drop : settling) {
     CHECK(drop.labels.at("material") == "POM");
+    CHECK(drop.has("area_2"));
     const Eigen::VectorXd& z = drop.channel("z").values;
     CHECK(z[0] - z.array().isNaN().select(z[0], z.array()).minCoeff() > 0.03);
   }
