@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/pgd/axes/axis_transform.h"
 #include "samara/pgd/tensors/train_points.h"
 
 namespace samara::codebooks {
@@ -17,20 +18,6 @@ using Eigen::Index;
 
 /// Lines that are asked for together.
 constexpr Index kTogether = 8;
-
-/// From values at `count` Chebyshev-Lobatto points to the sizes of coefficients: rows are coefficients.
-Eigen::MatrixXd chebyshev_transform(int count) {
-  const int degree = count - 1;
-  const auto end = [&](int i) { return i == 0 || i == degree ? 0.5 : 1.0; };
-  Eigen::MatrixXd transform(count, count);
-  for (int j = 0; j < count; ++j) {
-    for (int i = 0; i < count; ++i) {
-      transform(j, i) =
-          2.0 / degree * end(i) * end(j) * std::cos(std::numbers::pi * (i * j % (2 * degree)) / degree);
-    }
-  }
-  return transform;
-}
 
 /// Of values along a line, a row each: the largest sums of the sizes of coefficients from each number on.
 Eigen::VectorXd tail_of(const Eigen::MatrixXd& values, const Eigen::MatrixXd& transform) {
@@ -47,6 +34,19 @@ int nodes_for(const Eigen::VectorXd& tail, double bound) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd chebyshev_transform(int count) {
+  const int degree = count - 1;
+  const auto end = [&](int i) { return i == 0 || i == degree ? 0.5 : 1.0; };
+  Eigen::MatrixXd transform(count, count);
+  for (int j = 0; j < count; ++j) {
+    for (int i = 0; i < count; ++i) {
+      transform(j, i) =
+          2.0 / degree * end(i) * end(j) * std::cos(std::numbers::pi * (i * j % (2 * degree)) / degree);
+    }
+  }
+  return transform;
+}
 
 std::string described(const Front& front, const std::vector<pgd::Axis::Label>& coordinates,
                       const std::vector<pgd::OutputLabel>& outputs, const std::vector<double>& times,
@@ -67,8 +67,13 @@ std::string described(const Front& front, const std::vector<pgd::Axis::Label>& c
       front.allowed, front.error);
 }
 
-LineNodes::LineNodes(AxisOf axis_of, Values values, int max_nodes)
-    : axis_of_(std::move(axis_of)), values_(std::move(values)), max_nodes_(std::max(2, max_nodes)) {}
+LineNodes::LineNodes(Index coordinates, AxisOf axis_of, Values values, int max_nodes)
+    : axis_of_(std::move(axis_of)),
+      values_(std::move(values)),
+      max_nodes_(std::max(2, max_nodes)),
+      tails_(static_cast<std::size_t>(coordinates)),
+      fronts_(tails_.size()),
+      elements_(tails_.size()) {}
 
 void LineNodes::look_along(Index coordinate, const Eigen::MatrixXd& bases, double bound, double tolerance) {
   Eigen::VectorXd tail;
@@ -81,11 +86,6 @@ void LineNodes::look_along(Index coordinate, const Eigen::MatrixXd& bases, doubl
   if (tail[std::min<Index>(max_nodes_, tail.size() - 1)] > tolerance)
     front = front_along(coordinate, bases, tolerance);
   const auto k = static_cast<std::size_t>(coordinate);
-  if (k == tails_.size()) {
-    tails_.emplace_back();
-    fronts_.emplace_back();
-    elements_.emplace_back();
-  }
   // Behind the last coefficients of a look that needed fewer there is nothing.
   const Index most = std::max(tail.size(), tails_[k].size());
   tail.conservativeResizeLike(Eigen::VectorXd::Zero(most));
@@ -135,9 +135,22 @@ const Front* LineNodes::front() const {
   return worst;
 }
 
+/// Those of an axis, which with many of them takes seconds to make.
+Eigen::VectorXd LineNodes::nodes_of(Index coordinate, int count) const {
+  const pgd::Axis ends = axis_of_(coordinate, 2);
+  const double length = pgd::transformed_distance(ends.transform(), ends.lower(), ends.upper());
+  Eigen::VectorXd nodes(count);
+  for (int i = 0; i < count; ++i) {
+    const double share = std::sin(0.5 * std::numbers::pi * i / (count - 1));
+    nodes[i] = pgd::transformed_advance(ends.transform(), ends.lower(), length * share * share);
+  }
+  nodes[count - 1] = ends.upper();
+  return nodes;
+}
+
 /// Points along all lines, line by line.
 Eigen::MatrixXd LineNodes::lines(Index coordinate, const Eigen::MatrixXd& bases, int count) const {
-  const Eigen::VectorXd nodes = axis_of_(coordinate, count).nodes();
+  const Eigen::VectorXd nodes = nodes_of(coordinate, count);
   Eigen::MatrixXd points(bases.rows(), bases.cols() * count);
   for (Index line = 0; line < bases.cols(); ++line) {
     points.middleCols(line * count, count) = bases.col(line).replicate(1, count);
@@ -161,8 +174,8 @@ Eigen::VectorXd LineNodes::tail_along(Index coordinate, const Eigen::MatrixXd& b
 std::optional<Front> LineNodes::front_along(Index coordinate, const Eigen::MatrixXd& bases,
                                             double tolerance) const {
   const int count = 2 * max_nodes_ - 1;  // every other one is a node of the coarse axis
-  const pgd::Axis coarse = axis_of_(coordinate, max_nodes_), fine = axis_of_(coordinate, count);
-  const Eigen::MatrixXd between = pgd::interpolation_matrix(coarse, fine.nodes());
+  const Eigen::MatrixXd between =
+      pgd::interpolation_matrix(axis_of_(coordinate, max_nodes_), nodes_of(coordinate, count));
   Front worst;
   worst.allowed = max_nodes_;
   Eigen::VectorXd base;
@@ -191,7 +204,7 @@ std::optional<Front> LineNodes::front_along(Index coordinate, const Eigen::Matri
     Index steepest = 0;
     worst.width = (value.maxCoeff() - value.minCoeff()) / slopes.maxCoeff(&steepest);
     worst.point = points.col(steepest);
-    const int nodes = nodes_for(tail_of(values, chebyshev_transform(more)), tolerance);
+    const int nodes = nodes_for(tail_of(value, chebyshev_transform(more)), tolerance);
     if (nodes < more - 1) worst.nodes = nodes;
   }
   return worst;

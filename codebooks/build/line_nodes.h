@@ -20,13 +20,16 @@ struct Front {
   double width = 0.0;     ///< of the coordinate: the range of the value over the line, by the steepest slope
   int allowed = 0;        ///< nodes
   double error = 0.0;     ///< of the interpolation by these, along the worst of the lines
-  int nodes = 0;          ///< that this line needs for the tolerance; 0: more than were tried
+  int nodes = 0;          ///< that the value needs on this line; 0: more than were tried
 };
 
 /// In a sentence. @param outputs states of the rows, of which times follow the states
 std::string described(const Front& front, const std::vector<pgd::Axis::Label>& coordinates,
                       const std::vector<pgd::OutputLabel>& outputs, const std::vector<double>& times,
                       const std::string& time_unit);
+
+/// From values at `count` Chebyshev-Lobatto points, cos(pi j / (count - 1)), to coefficients: rows are coefficients.
+Eigen::MatrixXd chebyshev_transform(int count);
 
 /// How many nodes the coordinates of a box need, by the decay of Chebyshev coefficients along lines through it.
 class LineNodes {
@@ -40,9 +43,9 @@ class LineNodes {
   static constexpr int kMostFront = 1025;           ///< nodes of a line with a front
 
   /// @param max_nodes at most kMostNodes
-  LineNodes(AxisOf axis_of, Values values, int max_nodes);
+  LineNodes(Eigen::Index coordinates, AxisOf axis_of, Values values, int max_nodes);
 
-  /// To be called for the coordinates in their order, and then again for any: what all looks have seen counts.
+  /// May be called again: what all looks have seen counts.
   /// @param bases points that the lines go through, a multiple of 8
   /// @param bound which nodes have to be told apart: what is left behind the last ones
   /// @param tolerance a line that errs by more with as many nodes as are allowed is a front
@@ -55,7 +58,7 @@ class LineNodes {
   bool needs_more(Eigen::Index coordinate, double bound) const;
 
   /// Has a coordinate in elements instead (line_elements.h), which follow its fronts; or in more of them, halves of
-  /// those before.
+  /// those before. One that has elements need not be looked along.
   void set_elements(Eigen::Index coordinate, pgd::Axis axis);
   /// The last that were set; null where one polynomial is to do.
   const pgd::Axis* elements(Eigen::Index coordinate) const;
@@ -68,6 +71,7 @@ class LineNodes {
   const Front* front() const;
 
  private:
+  Eigen::VectorXd nodes_of(Eigen::Index coordinate, int count) const;
   Eigen::MatrixXd lines(Eigen::Index coordinate, const Eigen::MatrixXd& bases, int count) const;
   Eigen::VectorXd tail_along(Eigen::Index coordinate, const Eigen::MatrixXd& bases, int count) const;
   std::optional<Front> front_along(Eigen::Index coordinate, const Eigen::MatrixXd& bases,

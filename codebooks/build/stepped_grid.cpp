@@ -41,6 +41,7 @@ SteppedGrid::SteppedGrid(const Plan& plan, const std::vector<pgd::Axis::Label>& 
       trajectories_(trajectories),
       values_(std::move(values)),
       lines_(
+          static_cast<Index>(plan.box.size()),
           [&plan, &coordinates](Index k, int nodes) {
             const auto place = static_cast<std::size_t>(k);
             return pgd::Axis::chebyshev(coordinates[place], plan.box[place].lower, plan.box[place].upper,

@@ -19,7 +19,7 @@ TEST_CASE("the nodes of lines follow the width of a front, which is named where 
   const double bound = 1e-4, tolerance = 1e-3;
   for (const double width : {0.3, 0.02}) {
     LineNodes lines(
-        [](Eigen::Index, int nodes) { return samara::pgd::Axis::chebyshev({"x"}, -1.0, 1.0, nodes); },
+        2, [](Eigen::Index, int nodes) { return samara::pgd::Axis::chebyshev({"x"}, -1.0, 1.0, nodes); },
         [&](const Eigen::MatrixXd& points) -> Eigen::MatrixXd {
           return ((points.row(0) - 0.1 * points.row(1)) / width).array().tanh();
         },
