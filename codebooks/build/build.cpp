@@ -168,10 +168,10 @@ struct Build {
 
  private:
   CertifyClaim certify_claim() {
-    return [this](const pgd::TrainField& field, double calls_made) {
+    return [this](const Piece& piece, double calls_made) {
       BuildRecord record;
       record.evaluations = calls_made;
-      return certifier(book_of({{Piece{{field}}}, std::move(record), {}}), Extent::until_wrong);
+      return certifier(book_of({{piece}, std::move(record), {}}), Extent::until_wrong);
     };
   }
 

@@ -230,7 +230,7 @@ Outcome<Solution> solve(const Plan& plan, CallMemory& calls, long max_calls, con
   int refuted = 0;
   const SamplingChallenge challenge = [&](const pgd::SamplingResult& claim) {
     claimed = rounded_field(claim, plan, calls.source(), mesh, refuted);
-    Measured measured = certify_claim(claimed->field, static_cast<double>(pilots + claim.calls));
+    Measured measured = certify_claim(Piece{{claimed->field}}, static_cast<double>(pilots + claim.calls));
     certificate = std::move(measured.certificate);
     ++refuted;
     return measured.wrong;

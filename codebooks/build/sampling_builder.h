@@ -18,8 +18,8 @@ namespace samara::codebooks {
 /// @throws InputError for a checkpoint that is broken or of another plan
 CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options);
 
-/// Measures a rounded field that took so many calls, until it finds it wrong.
-using CertifyClaim = std::function<Measured(const pgd::TrainField& field, double calls)>;
+/// Measures a piece, of a rounded field that took so many calls, until it finds it wrong.
+using CertifyClaim = std::function<Measured(const Piece& piece, double calls)>;
 
 /// Solves a plan by sampling (pgd/sampling/sampling.h) the trajectories of a model, or a command.
 ///

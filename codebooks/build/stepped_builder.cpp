@@ -34,6 +34,7 @@ using Eigen::Index;
 
 // Shares of the plan's tolerance.
 constexpr double kShareOfStep = 0.05;
+constexpr double kShareOfStepAtFronts = 0.2;
 constexpr double kShareOfMesh = 0.1;
 constexpr double kShareOfSkeleton = 0.02;
 constexpr double kShareOfCross = 0.5;
@@ -42,6 +43,8 @@ constexpr double kFreshMargin = 0.6;
 constexpr double kShareOfRounding = 0.1;
 
 constexpr int kPilots = 64;
+/// That states and times are chosen by.
+constexpr int kFewestTrajectories = 400, kFewestAtFronts = 3200;
 constexpr int kCheckPoints = 2000;
 constexpr int kMaxRank = 400;
 /// Trajectories of a cross that cannot meet the tolerance.
@@ -73,6 +76,7 @@ class SteppedBuild {
       choose_step(trajectories_, pilots_, plan_.end, floors(), kShareOfStep * plan_.relative);
       choose_times();
       grid_.look_along_lines(random_);
+      if (grid_.has_elements()) look_at_fronts();
       begin();
       approximate_until_met();
     } catch (const SteppedEnd& end) {
@@ -91,6 +95,19 @@ class SteppedBuild {
     Eigen::MatrixXd values = trajectories_(points, times_);
     values.reshaped(states(), values.size() / states()).array().colwise() /= scale_.array();
     return values;
+  }
+
+  /// The pilots so far do not lie on fronts, where errors of the steps are largest and states part late.
+  void look_at_fronts() {
+    pgd::Random random(plan_.builder.seed);
+    const Eigen::MatrixXd more = grid_.in_box(grid_.points_near_fronts(kPilots, random));
+    const double step = trajectories_.step();
+    trajectories_.set_step(4.0 * step);
+    choose_step(trajectories_, more, plan_.end, floors(), kShareOfStepAtFronts * plan_.relative);
+    trajectories_.set_step(std::min(step, trajectories_.step()));
+    pilots_.conservativeResize(Eigen::NoChange, pilots_.cols() + more.cols());
+    pilots_.rightCols(more.cols()) = more;
+    choose_times();
   }
 
   void choose_times() {
@@ -207,18 +224,18 @@ class SteppedBuild {
 
   Skeleton skeleton(double bound) {
     const auto some = [&](int count) {
-      Eigen::MatrixXd points = corners_and_inside(plan_, count, random_);
-      if (grid_.has_elements()) points.leftCols(count / 2) = grid_.points_near_fronts(count / 2, random_);
-      return scaled_values(points);
+      return scaled_values(grid_.in_box(grid_.mixed_points(count, random_)));
     };
-    return find_skeleton(some, times_, scale_, 4 * max_rank_, bound);
+    const int fewest = grid_.has_elements() ? kFewestAtFronts : kFewestTrajectories;
+    return find_skeleton(some, times_, scale_, fewest, 4 * max_rank_, bound);
   }
 
   /// The train of all states at all times over the grid, by crosses whose guards err by at most `tolerance`.
   pgd::CrossResult interpolate(const std::vector<int>& nodes, const Skeleton& skeleton, double tolerance) {
     const std::vector<pgd::Axis> axes = grid_.axes(nodes);
     const pgd::EntryFunction at_entries = [&](const pgd::IndexBatch& entries, Eigen::MatrixXd& values) {
-      const Eigen::MatrixXd all = trajectories_(pgd::coordinates_at(axes, entries), skeleton.times);
+      const Eigen::MatrixXd all =
+          trajectories_(grid_.in_box(pgd::coordinates_at(axes, entries)), skeleton.times);
       for (Index j = 0; j < all.cols(); ++j)
         values.col(j) = skeleton.scale.asDiagonal().inverse() * all.col(j)(skeleton.places);
     };
@@ -270,7 +287,8 @@ class SteppedBuild {
     constexpr Index kTogether = 500;
     for (Index first = 0; first < points.cols(); first += kTogether) {
       const Eigen::MatrixXd some = points.middleCols(first, kTogether);
-      const Eigen::MatrixXd error = pgd::many_values_at(train, axes, some) - scaled_values(some);
+      const Eigen::MatrixXd error =
+          pgd::many_values_at(train, axes, some) - scaled_values(grid_.in_box(some));
       largest = std::max(largest, error.cwiseAbs().maxCoeff());
     }
     return largest;
@@ -281,7 +299,7 @@ class SteppedBuild {
     const double unused = std::max(0.0, 0.5 * plan_.relative - state_.best_error);
     const pgd::TrainField field = best_field();
     round_off(field, std::ldexp(kShareOfRounding * plan_.relative + unused, -refuted_));
-    Measured measured = certify_claim_(rounded_->field, static_cast<double>(trajectories_.calls()));
+    Measured measured = certify_claim_(piece(), static_cast<double>(trajectories_.calls()));
     if (measured.wrong.cols() > 0) {
       ++refuted_;
       return false;
@@ -306,6 +324,12 @@ class SteppedBuild {
     std::vector<pgd::Axis> axes = grid_.axes(state_.nodes_of_best);
     axes.insert(axes.begin(), mesh_->axis);
     return {std::move(axes), source_.outputs, std::move(train)};
+  }
+
+  /// Of what is rounded.
+  Piece piece() const {
+    const FrontMap* map = grid_.counted_from();
+    return map == nullptr ? Piece{{rounded_->field}} : Piece({rounded_->field}, map->shifted(1));
   }
 
   /// Mean squares over all nodes know of fronts, points of the whole box hardly: some are told.
@@ -388,13 +412,16 @@ class SteppedBuild {
       if (axis.elements() > 1)
         record_.message += fmt::format("; {} elements along {}", axis.elements(), axis.name());
     }
+    if (const FrontMap* map = grid_.counted_from()) {
+      record_.message += fmt::format("; {} is counted from a front",
+                                     source_.coordinates[static_cast<std::size_t>(map->coordinate())].name);
+    }
     record_.evaluations = static_cast<double>(trajectories_.calls());
     record_.grid_size = 1.0;
     for (const int n : state_.nodes_of_best) record_.grid_size *= n;
     const ErrorBudget spent{.discretisation = mesh_->error,
                             .compression = state_.best_error + rounded_->error};
-    return Solution{
-        {Piece{{std::move(rounded_->field)}}}, std::move(record_), spent, std::move(certificate_)};
+    return Solution{{piece()}, std::move(record_), spent, std::move(certificate_)};
   }
 
   const Plan& plan_;

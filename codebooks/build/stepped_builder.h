@@ -27,8 +27,9 @@ struct KeptState {
 ///  1. The step is halved until pilots, in corners and inside of the box, no longer see it, and the mesh of time
 ///     follows them (time_mesh.h).
 ///  2. Along lines through the box, the decay of Chebyshev coefficients tells how many nodes a coordinate needs, and
-///     where it is cut into elements (stepped_grid.h). Where a line is met by neither, there is one round, a coarse one
-///     (and a fine one where it errs by less than ten times the tolerance), and the build ends with the reason.
+///     where it is cut into elements, if need be counted from a front (stepped_grid.h). Pilots about fronts shorten the
+///     step and the elements of time. Where a line is met by none, there is one round, a coarse one (and a fine one
+///     where it errs by less than ten times the tolerance), and the build ends with the reason.
 ///  3. From some hundred trajectories, states and times are chosen between which all others are interpolated.
 ///  4. Cross interpolation (pgd/cross/cross_interpolation.h) of these over the grid of the coordinates; first
 ///     coarsely, for its pivots.

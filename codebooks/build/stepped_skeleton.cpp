@@ -8,11 +8,11 @@
 namespace samara::codebooks {
 
 Skeleton find_skeleton(const std::function<Eigen::MatrixXd(int count)>& some,
-                       const std::vector<double>& times, const Eigen::VectorXd& scale, int max_rows,
-                       double bound) {
-  constexpr int kFewest = 400, kMost = 6400;
+                       const std::vector<double>& times, const Eigen::VectorXd& scale, int fewest,
+                       int max_rows, double bound) {
+  constexpr int kMost = 6400;
   const auto states = static_cast<int>(scale.size());
-  for (int count = kFewest;; count *= 2) {
+  for (int count = fewest;; count *= 2) {
     pgd::MaxVolume volume = pgd::max_volume(some(count), std::min(count, max_rows), bound);
     const auto found = static_cast<int>(volume.rows.size());
     if (3 * found > count && count < kMost) continue;

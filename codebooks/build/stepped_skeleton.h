@@ -18,10 +18,10 @@ struct Skeleton {
 
 /// Chosen by volume from some trajectories, more of them while many of their columns are independent.
 /// @param some so many trajectories at the times, a column each, states fastest, over their scales
-/// @param scale per state
+/// @param scale per state  @param fewest trajectories
 /// @param bound what interpolation may leave of a state at a time, of these trajectories
 Skeleton find_skeleton(const std::function<Eigen::MatrixXd(int count)>& some,
-                       const std::vector<double>& times, const Eigen::VectorXd& scale, int max_rows,
-                       double bound);
+                       const std::vector<double>& times, const Eigen::VectorXd& scale, int fewest,
+                       int max_rows, double bound);
 
 }  // namespace samara::codebooks

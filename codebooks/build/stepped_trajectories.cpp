@@ -88,7 +88,7 @@ void choose_step(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilot
   double before = 0.0;
   for (int halvings = 1;; ++halvings) {
     const bool is_last = halvings == kMostHalvings;
-    trajectories.halve_step();
+    trajectories.set_step(0.5 * trajectories.step());
     std::optional<Eigen::MatrixXd> fine =
         is_last ? trajectories(pilots, times) : finite_values(trajectories, pilots, times);
     double error = std::numeric_limits<double>::infinity(), difference = 0.0;

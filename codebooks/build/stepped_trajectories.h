@@ -32,7 +32,7 @@ class SteppedTrajectories {
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& points, const std::vector<double>& times);
 
   double step() const { return step_; }
-  void halve_step() { step_ *= 0.5; }
+  void set_step(double step) { step_ = step; }
   long calls() const { return calls_; }
   /// How many more are allowed.
   long left() const { return max_calls_ - calls_; }
