@@ -7,11 +7,16 @@
 
 #include <catch2/catch.hpp>
 
+#include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/book/book_slice.h"
 #include "samara/codebooks/file/flat_file.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
 #include "samara/codebooks/statistics/book_statistics.h"
+#include "same_codebook.h"
 #include "sample_books.h"
 
 using namespace samara::codebooks;
@@ -221,6 +226,15 @@ TEST_CASE("what a front cannot be is refused in a sentence") {
                     Contains("from 1 to 2.5, expected 1 to 3"));
   CHECK_THROWS_WITH(with(FrontMap(7, 1.0, 2.5, {}, Eigen::VectorXd::Zero(1))), Contains("axis 7"));
   CHECK_THROWS_AS(Codebook(sample_model(), {piece, piece}), ArgumentError);
+}
+
+TEST_CASE("a front that moves with nothing any more is kept in files") {
+  const Codebook part = slice(golden_front(), {{"k", 0.3}, {"h", 0.2}});
+  REQUIRE(part.front() != nullptr);
+  CHECK(part.front()->others().empty());
+  const TemporaryDirectory directory;
+  save(part, directory / "part.h5");
+  check_same_codebook(load(directory / "part.h5"), part);
 }
 
 TEST_CASE("flat files refuse a codebook with a front") {
