@@ -348,6 +348,13 @@ double TomlTable::difference(const std::string& key, std::string_view unit) cons
                    [&](const toml::node& value) { return as_quantity(value, unit, difference_to_si); });
 }
 
+std::vector<std::vector<std::string>> TomlTable::string_lists(const std::string& key) const {
+  return converted(*node_, key, [](const toml::node& value) {
+    return as_list(value, "arrays of strings",
+                   [](const toml::node& element) { return as_list(element, "strings", as_string); });
+  });
+}
+
 std::vector<std::string> TomlTable::strings(const std::string& key) const {
   return converted(*node_, key, [](const toml::node& value) { return as_list(value, "strings", as_string); });
 }

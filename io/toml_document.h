@@ -71,6 +71,8 @@ class TomlTable {
   /// The same of an error, a deviation, a tolerance: see difference_to_si().
   double difference(const std::string& key, std::string_view unit) const;
   std::vector<std::string> strings(const std::string& key) const;
+  /// An array of arrays of strings.
+  std::vector<std::vector<std::string>> string_lists(const std::string& key) const;
   std::vector<double> numbers(const std::string& key) const;
   std::vector<double> quantities(const std::string& key, std::string_view unit) const;
   TomlTable table(const std::string& key) const;

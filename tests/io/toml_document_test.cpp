@@ -57,6 +57,8 @@ TEST_CASE("values of each kind are read by key") {
   CHECK(root.table("box").table("A").integer("nodes") == 14);
   CHECK(root.table("command").strings("run") == std::vector<std::string>{"./solver", "--fast"});
   CHECK(root.table("command").tables("inputs").at(1).string("name") == "b");
+  const TomlTable nested = TomlTable::parse("pairs = [[\"a\", \"b\"], []]\n", "pairs.toml");
+  CHECK(nested.string_lists("pairs") == std::vector<std::vector<std::string>>{{"a", "b"}, {}});
 }
 
 TEST_CASE("quantities are SI numbers, or strings with a unit") {
@@ -140,6 +142,8 @@ TEST_CASE("a value of the wrong kind is refused with file, line, table, key and 
   CHECK_THAT(toml_error([&] { root.table("box").integer("theta(0)"); }),
              StartsWith("plan.toml:11: [box] \"theta(0)\":"));
   CHECK_THAT(toml_error([&] { root.strings("model"); }), Contains("expected an array of strings"));
+  CHECK_THAT(toml_error([&] { root.table("command").string_lists("run"); }),
+             Contains("element 0: expected an array of strings"));
   CHECK_THAT(toml_error([&] { root.table("box").strings("C_T"); }),
              Contains("element 0: expected a string, found the number 0.8"));
   CHECK_THAT(toml_error([&] { root.table("box").tables("C_T"); }), Contains("element 0: expected a table"));
