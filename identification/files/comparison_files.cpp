@@ -68,7 +68,8 @@ std::string name_of(const ComparisonRequest& request, std::size_t k) {
 
 PredictionOptions prediction_of(const ComparisonRequest& request, const FitSource& source) {
   const PredictionConfig& config = source.prediction;
-  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden, .mixture = config.mixture};
+  PredictionOptions prediction{
+      .stride = config.stride, .hidden = config.hidden, .mixture = config.mixture, .views = config.views};
   const std::optional<double> ahead = request.ahead ? request.ahead : config.ahead;
   if (!ahead)
     throw ArgumentError(
@@ -171,8 +172,10 @@ ModelComparison compare_files(const ComparisonRequest& request) {
     contenders.push_back(open_contender(request, k, given));
     const Contender& one = contenders.back();
     tell(one.model.name, one.source.warnings);
-    of_file(one.config,
-            [&] { check_folds(one.captures, one.source.options, one.prediction, folds_of(request, one)); });
+    of_file(one.config, [&] {
+      check_folds(*one.source.family, one.captures, one.source.options, one.prediction,
+                  folds_of(request, one));
+    });
   }
   std::vector<ForecastsOfModel> forecasts;
   for (Contender& one : contenders) {

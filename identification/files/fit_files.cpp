@@ -40,7 +40,8 @@ std::optional<PredictionOptions> prediction_of(const FitRequest& request, const 
         "--left-out names captures to predict, and the config has folds, where every capture is left out "
         "once; one of the two was expected");
   }
-  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden, .mixture = config.mixture};
+  PredictionOptions prediction{
+      .stride = config.stride, .hidden = config.hidden, .mixture = config.mixture, .views = config.views};
   const std::optional<double> ahead = request.ahead ? request.ahead : config.ahead;
   if (!ahead) {
     throw ArgumentError(
@@ -331,7 +332,8 @@ FitReport fit_files(const FitRequest& request) {
   if (prediction && fits) {
     of_file(request.config, [&] {
       if (source.prediction.folds)
-        return check_folds(captures.fitted, source.options, *prediction, *source.prediction.folds);
+        return check_folds(*source.family, captures.fitted, source.options, *prediction,
+                           *source.prediction.folds);
       check_left_out(*source.family, captures.fitted, captures.left_out, source.options, *prediction);
     });
   }

@@ -43,6 +43,18 @@ Eigen::MatrixXd measured(const Capture& capture, const std::vector<std::string>&
   return values;
 }
 
+/// Frames x pairs.
+Eigen::MatrixXcd views_shown(const Capture& capture, const std::vector<ViewPair>& pairs,
+                             const std::vector<Eigen::Index>& frames) {
+  Eigen::MatrixXcd views(std::ssize(frames), std::ssize(pairs));
+  for (Eigen::Index p = 0; p < views.cols(); ++p) {
+    const auto& [first, second] = pairs[static_cast<std::size_t>(p)];
+    views.col(p).real() = capture.channel(first).values(frames);
+    views.col(p).imag() = capture.channel(second).values(frames);
+  }
+  return views;
+}
+
 std::vector<std::string> names_of(const std::vector<models::FamilyOutput>& outputs) {
   std::vector<std::string> names;
   for (const models::FamilyOutput& output : outputs) names.push_back(output.name);
@@ -202,6 +214,7 @@ CapturePrediction predict_capture(const models::TrajectoryFamily& family, const 
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];
   const Eigen::VectorXd seen_times = known.times(before).array() - known.times[0];
   result.seen = {seen_times, measured(known, names, before)};
+  if (!prediction.views.empty()) result.seen.views = views_shown(known, prediction.views, before);
   if (!predicted.attitude.empty()) result.turn = {seen_times, measured(known, predicted.attitude, before)};
 
   // What the fit of the span compares.

@@ -179,6 +179,14 @@ std::vector<Capture> cut_along(std::span<const Capture> captures, const Predicte
   return cut(captures, predicted, along);
 }
 
+const Channel& channel_of_view(const Capture& capture, const std::string& name) {
+  try {
+    return capture.channel(name);
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(fmt::format("prediction.views: {}", error.what()));
+  }
+}
+
 }  // namespace
 
 void PredictedCaptures::add_lack(const std::string& reason, const std::vector<std::string>& captures) {
@@ -231,6 +239,30 @@ void check_prediction(const FitOptions& options, const PredictionOptions& predic
   }
 }
 
+void check_views(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                 const FitOptions& options, const PredictionOptions& prediction) {
+  if (prediction.views.empty() || captures.empty()) return;
+  for (const Capture& capture : captures) {
+    for (const auto& [first, second] : prediction.views) {
+      const std::string &unit = channel_of_view(capture, first).unit,
+                        &other = channel_of_view(capture, second).unit;
+      if (unit == other) continue;
+      throw ArgumentError(
+          fmt::format("prediction.views: of capture \"{}\" \"{}\" is in {} and \"{}\" in {}; a pair of one "
+                      "unit, which a quarter turn exchanges, was expected",
+                      capture.id, first, unit, second, other));
+    }
+  }
+  const std::vector<Quantity> compared =
+      quantities(family, predicted_outputs(family.info(), captures, options), options);
+  const bool is_in_space = std::ranges::any_of(
+      compared, [](const Quantity& quantity) { return quantity.components.level.size() == 2; });
+  if (!is_in_space)
+    throw ArgumentError(
+        "prediction.views: views are exchanged by a quarter turn about the vertical, and the motion has no "
+        "two level components; lengths x, y and z, and no other, were expected to be predicted");
+}
+
 void refuse_twice(std::span<const Capture> left_out) {
   std::set<std::pair<std::string, std::string>> seen;
   for (const Capture& capture : left_out) {
@@ -256,6 +288,7 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
   if (fitted.status == FitStatus::failed || left_out.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
   const FitOptions held = holding(family.info(), fitted, options, prediction);
+  check_views(family, left_out, held, prediction);
   const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
   std::vector<Capture> parts = cut(left_out, predicted, prediction);
   const std::size_t count = parts.size();

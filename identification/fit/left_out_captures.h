@@ -37,6 +37,11 @@ struct PredictedCaptures {
 /// @throws ArgumentError for times outside their meaning
 void check_prediction(const FitOptions& options, const PredictionOptions& prediction);
 
+/// @param captures that are predicted, or teach predictions
+/// @throws ArgumentError for one without a channel of a view, and for views where no place in space is predicted
+void check_views(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                 const FitOptions& options, const PredictionOptions& prediction);
+
 /// One that is given twice would count twice. @throws InputError
 void refuse_twice(std::span<const Capture> left_out);
 

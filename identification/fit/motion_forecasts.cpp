@@ -110,6 +110,7 @@ SaidForecast between(const SaidForecast& one, const SaidForecast& other, double 
 SeenMotion seen_of(const CapturePrediction& one, const Quantity& quantity) {
   SeenMotion seen{.times = one.seen.times, .positions = one.seen.positions(Eigen::all, quantity.columns)};
   if (one.seen.rates.size() > 0) seen.rates = one.seen.rates(Eigen::all, quantity.columns);
+  if (quantity.components.level.size() == 2) seen.views = one.seen.views;
   seen.up = quantity.up;
   seen.net_weight = quantity.net_weight;
   return seen;
@@ -223,8 +224,13 @@ std::string MotionForecasts::shares(std::size_t quantity) const {
     if (share >= kShown) shares += fmt::format("{}{:.2f} {}", shares.empty() ? "" : ", ", share, predictor);
   }
   if (shares.empty()) return {};
-  return fmt::format("the mixture of {}, {:.4g} s ahead: {}", compared_[quantity].name, prediction_.ahead,
-                     shares);
+  std::string views;
+  if (!prediction_.views.empty() && compared_[quantity].components.level.size() == 2) {
+    const bool sees = trained_[quantity].back().trained.autoregression().turning().sees_views();
+    views = sees ? "; the autoregression looks at views" : "; the autoregression does not look at views";
+  }
+  return fmt::format("the mixture of {}, {:.4g} s ahead: {}{}", compared_[quantity].name, prediction_.ahead,
+                     shares, views);
 }
 
 }  // namespace samara::identification

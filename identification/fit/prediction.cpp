@@ -118,6 +118,8 @@ void check_left_out(const models::TrajectoryFamily& family, std::span<const Capt
   if (prediction.mixture && !left_out.empty())
     check_training(count_of(clusters_of(captures, options.uncertainty.cluster_by)));
   for (const Capture& capture : left_out) check_capture(capture, problem);
+  for (const std::span<const Capture> all : {captures, left_out})
+    check_views(family, all, options, prediction);
   for (const Capture& capture : captures) refuse_fitted(capture.id, capture.file, left_out);
 }
 
@@ -136,9 +138,10 @@ void add_predictions(const models::TrajectoryFamily& family, std::span<const Cap
   add_scores(std::move(outcome), prediction, fitted);
 }
 
-void check_folds(std::span<const Capture> captures, const FitOptions& options,
-                 const PredictionOptions& prediction, const Folds& folds) {
+void check_folds(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                 const FitOptions& options, const PredictionOptions& prediction, const Folds& folds) {
   check_prediction(options, prediction);
+  check_views(family, captures, options, prediction);
   const int clusters = count_of(clusters_of(captures, options.uncertainty.cluster_by));
   if (folds.count >= 2 && folds.count <= clusters) {
     if (prediction.mixture) check_training(clusters - (clusters + folds.count - 1) / folds.count);
@@ -156,7 +159,7 @@ void check_folds(std::span<const Capture> captures, const FitOptions& options,
 void cross_validate(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted) {
-  check_folds(captures, options, prediction, folds);
+  check_folds(family, captures, options, prediction, folds);
   PredictedCaptures outcome =
       predict_by_folds(family, captures, options, prediction, folds, &fitted.warnings);
   add_scores(std::move(outcome), prediction, fitted);
@@ -167,7 +170,7 @@ std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily
                                                   const FitOptions& options,
                                                   const PredictionOptions& prediction, const Folds& folds,
                                                   Warnings& warnings) {
-  check_folds(captures, options, prediction, folds);
+  check_folds(family, captures, options, prediction, folds);
   PredictedCaptures outcome = predict_by_folds(family, captures, options, prediction, folds, &warnings);
   add_sentences(outcome, warnings);
   return forecast_errors(outcome.compared, std::move(outcome.predictions), prediction);

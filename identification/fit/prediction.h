@@ -25,6 +25,13 @@
 ///     const auto scores = predict_left_out(*family, result, test, options, {.span = 0.2, .ahead = 0.1});
 namespace samara::identification {
 
+/// The same thing as two cameras show it: channels of captures, of one unit.
+struct ViewPair {
+  std::string along_first = {};   ///< as seen along the first level axis, x
+  std::string along_second = {};  ///< as seen along the second one, y
+  bool operator==(const ViewPair&) const = default;
+};
+
 struct PredictionOptions {
   double span = 0.0;   ///< s of each capture that are seen, from its first frame
   double ahead = 0.0;  ///< s beyond it
@@ -38,6 +45,10 @@ struct PredictionOptions {
   /// captures of the fit show when each third of their clusters (or half of two) is predicted by a fit of the
   /// others. Adds predictors "mixture of baselines", "autoregression" and "mixture" (trained_forecasts.h).
   bool mixture = false;
+  /// What cameras show of a body besides its place, such as sizes and shapes of its silhouette: the autoregression of a
+  /// place x, y, z may look at it (SeenMotion::views). Every capture has these channels; NaN where it does not show
+  /// them. Needs `mixture`.
+  std::vector<ViewPair> views = {};
 };
 
 /// Parts of about equal size, of clusters of captures.
@@ -59,8 +70,9 @@ struct Folds {
 ///   makes them each capture's own
 /// @param options of that fit; span, starts and roles of what is not held are taken over
 /// @returns nothing if the fit failed
-/// @throws ArgumentError as fit(), for a capture that does not measure what was fitted, and for times that
-/// are not positive; InputError for a capture of a file that was fitted itself.
+/// @throws ArgumentError as fit(), for a capture that does not measure what was fitted or has no channel of a view, for
+/// views where x, y and z are not all predicted, and for times that are not positive; InputError for a capture of a
+/// file that was fitted itself.
 std::vector<PredictionScore> predict_left_out(const models::TrajectoryFamily& family, const FitResult& fitted,
                                               std::span<const Capture> left_out, const FitOptions& options,
                                               const PredictionOptions& prediction);
@@ -105,8 +117,8 @@ std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily
 
 /// What cross_validate() would refuse after a fit of `captures`, refused before it.
 /// @throws ArgumentError
-void check_folds(std::span<const Capture> captures, const FitOptions& options,
-                 const PredictionOptions& prediction, const Folds& folds);
+void check_folds(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                 const FitOptions& options, const PredictionOptions& prediction, const Folds& folds);
 
 /// What predict_left_out() would refuse after a fit of `captures`, refused before it.
 /// @throws ArgumentError, InputError

@@ -1,6 +1,7 @@
 #include "samara/identification/fit/prediction_config.h"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -54,18 +55,43 @@ Folds read_folds(const TomlTable& root) {
   return folds;
 }
 
+std::vector<ViewPair> read_views(const TomlTable& table, bool mixture) {
+  if (!table.has("views")) return {};
+  if (!mixture)
+    throw table.error("views",
+                      "only trained forecasts look at views; `mixture = true` beside it was expected");
+  std::vector<ViewPair> views;
+  std::set<std::string> named;
+  for (const std::vector<std::string>& pair : table.string_lists("views")) {
+    if (pair.size() != 2)
+      throw table.error("views", fmt::format("element {}: expected a pair of channels, that seen along x and "
+                                             "that seen along y, found an array of {}",
+                                             views.size(), pair.size()));
+    for (const std::string& channel : pair) {
+      if (!named.insert(channel).second)
+        throw table.error("views",
+                          fmt::format("the channel \"{}\" is named twice; once was expected", channel));
+    }
+    views.push_back({.along_first = pair[0], .along_second = pair[1]});
+  }
+  if (views.empty())
+    throw table.error("views", "the list is empty; one pair of channels or more was expected");
+  return views;
+}
+
 PredictionConfig read(const TomlTable& root) {
   PredictionConfig config;
   if (!root.has("prediction")) return config;
   const TomlTable table = root.table("prediction");
   table.expect_keys(
-      {"span", "window", "ahead", "stride", "left_out", "fitted", "folds", "hidden", "mixture"});
+      {"span", "window", "ahead", "stride", "left_out", "fitted", "folds", "hidden", "mixture", "views"});
   config.span = positive_time(table, table.renamed("span", "window"));
   config.ahead = positive_time(table, "ahead");
   config.stride = positive_time(table, "stride");
   config.left_out = read_choice(table, "left_out");
   config.fitted = read_choice(table, "fitted");
   if (table.has("mixture")) config.mixture = table.boolean("mixture");
+  config.views = read_views(table, config.mixture);
   config.hidden = table.optional_strings("hidden").value_or(std::vector<std::string>{});
   if (!table.has("folds")) return config;
   if (!config.left_out.empty())

@@ -23,6 +23,7 @@
 ///     folds = { count = 5, seed = 1 }     #     dealt in a random order
 ///     hidden = ["wx(0)"]                  # of [known], what captures left out do not show
 ///     mixture = true                      # forecasts as distributions, and predictors mixed
+///     views = [["area_1", "area_2"]]      # channels: what cameras along x and y show besides the place
 namespace samara::identification {
 
 /// Labels, and the texts that they may have. "id" and "file" (its name without folder and ending) are labels
@@ -35,6 +36,7 @@ struct PredictionConfig {
   std::optional<Folds> folds = {};
   std::vector<std::string> hidden = {};
   bool mixture = false;
+  std::vector<ViewPair> views = {};  ///< no channel twice
 };
 
 /// Nothing is said where the file has no table [prediction].

@@ -375,7 +375,7 @@ TEST_CASE("with a mixture forecasts have distributions, of all captures and of f
   cross_validate(family, training, plain(), prediction, {.count = 3}, of_folds);
   CHECK(of(of_folds.predictions, "mixture", ahead).count == 9);
   CHECK(of(of_folds.predictions, "model", ahead).crps > 0.0);
-  CHECK_THROWS_WITH(check_folds(std::span(training).first(2), plain(), prediction, {.count = 2}),
+  CHECK_THROWS_WITH(check_folds(family, std::span(training).first(2), plain(), prediction, {.count = 2}),
                     Catch::Contains("there is 1 cluster of them; two or more were expected"));
   CHECK_THROWS_WITH(add_predictions(family, left_out, plain(), prediction, fitted),
                     Catch::Contains("there are 0 clusters"));

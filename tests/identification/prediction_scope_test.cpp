@@ -156,7 +156,7 @@ TEST_CASE("each fold is predicted by a fit of the others") {
     CHECK_THROWS_AS(cross_validate(family, captures, plain(), prediction, {.count = folds}, fitted),
                     samara::ArgumentError);
   }
-  CHECK_THROWS_WITH(check_folds(std::span(captures).first(1), plain(), prediction, {.count = 2}),
+  CHECK_THROWS_WITH(check_folds(family, std::span(captures).first(1), plain(), prediction, {.count = 2}),
                     Catch::Matchers::Contains("1 cluster"));
 }
 
