@@ -8,6 +8,7 @@
 
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/book/book_model.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/trajectory_query.h"
 #include "samara/codebooks/source/checkpoint.h"

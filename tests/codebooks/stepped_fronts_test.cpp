@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/book/book_model.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
