@@ -351,7 +351,7 @@ for head in sys.stdin:
     int right = 0, told = 0;
     {
       const samara::pgd::PointsFunction function =
-          command_function(python(program, {seed, starts.string()}, 1.0));
+          command_function(python(program, {seed, starts.string()}, 2.0));
       for (int call = 0; call < 25; ++call) {
         const Eigen::MatrixXd points = points_of(1 + call * call);
         Eigen::MatrixXd values;
