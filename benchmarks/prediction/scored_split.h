@@ -48,9 +48,9 @@ inline SplitScores score_split(const std::string& name, const std::vector<AskedM
 }
 
 /// Metrics of a case, each from the split in which it is worst: median, rms and crps with the best plain baseline of
-/// that split, and the coverage that is farthest from what it should be. The mixture is ours. Beside it, of the same
-/// splits: the mixture of everything but the body, the autoregression, the body alone, and where views are seen the
-/// mixture without them.
+/// that split, and the coverage that is farthest from what it should be, with its error, and the mean of all splits.
+/// The mixture is ours. Beside it, of the same splits: the mixture of everything but the body, the autoregression, the
+/// body alone, and where views are seen the mixture without them.
 /// @param suffix of the names of metrics
 void report(const std::string& test_case, const std::vector<SplitScores>& splits,
             const std::string& suffix = "");

@@ -88,10 +88,11 @@ class Tallies {
   }
 
   /// One number of a distribution that was forecast.
+  /// @param cluster of the capture
   void add_forecast(std::size_t quantity, std::size_t predictor, bool is_last, const NormalMixture& part,
-                    double measured) {
-    all_[quantity * predictors_ + predictor].add_forecast(part, measured);
-    if (is_last) last_[quantity * predictors_ + predictor].add_forecast(part, measured);
+                    double measured, int cluster) {
+    all_[quantity * predictors_ + predictor].add_forecast(part, measured, cluster);
+    if (is_last) last_[quantity * predictors_ + predictor].add_forecast(part, measured, cluster);
   }
 
   /// @param capture whose they are; empty: of all
@@ -186,7 +187,8 @@ void tally_trained(const CapturePrediction& one, const std::vector<Predictor>& p
       }
       for (std::size_t c = 0; c < said[p].parts.size(); ++c) {
         for (Tallies* const each : tallies)
-          each->add_forecast(quantity, p, is_last, said[p].parts[c], truth[static_cast<Eigen::Index>(c)]);
+          each->add_forecast(quantity, p, is_last, said[p].parts[c], truth[static_cast<Eigen::Index>(c)],
+                             one.cluster);
       }
     }
   }

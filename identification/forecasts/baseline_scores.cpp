@@ -338,6 +338,7 @@ PredictionScore PredictionTally::score() const {
   score.crps = proper_.mean_crps();
   score.coverage50 = proper_.coverage(0.5);
   score.coverage90 = proper_.coverage(0.9);
+  score.coverage90_error = proper_.coverage_error(0.9);
   return score;
 }
 

@@ -103,6 +103,8 @@ struct PredictionScore {
   double crps = std::numeric_limits<double>::quiet_NaN();
   double coverage50 = std::numeric_limits<double>::quiet_NaN();
   double coverage90 = std::numeric_limits<double>::quiet_NaN();
+  /// Standard error of the share in the band of 90 %, captures being drawn anew; NaN for a single capture.
+  double coverage90_error = std::numeric_limits<double>::quiet_NaN();
   /// The median less that of the best baseline, and the scatter of this difference when captures are drawn anew
   /// (bootstrap); NaN for a single capture.
   double behind_best = std::numeric_limits<double>::quiet_NaN();
@@ -120,7 +122,10 @@ class PredictionTally {
   /// @param cluster captures that are drawn together for errors; below 0: one of its own
   void add(const std::vector<double>& distances, int cluster = -1);
   /// What proper scores need of one number that was forecast. NaN: missing, not counted.
-  void add_forecast(const NormalMixture& mixture, double measured) { proper_.add(mixture, measured); }
+  /// @param cluster of its capture, as of add(), never below 0
+  void add_forecast(const NormalMixture& mixture, double measured, int cluster) {
+    proper_.add(mixture, measured, cluster);
+  }
   PredictionScore score() const;
 
   /// The difference of medians, this one's less another's, and its bootstrap error over clusters.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 
@@ -152,10 +153,11 @@ NormalMixture marginal(const Forecast& forecast, Eigen::Index time, Eigen::Index
   return mixture;
 }
 
-void ProperScores::add(const NormalMixture& mixture, double measured) {
+void ProperScores::add(const NormalMixture& mixture, double measured, int cluster) {
   if (std::isnan(measured)) return;
   crps_.push_back(crps(mixture, measured));
   below_.push_back(below(mixture, measured));
+  clusters_.push_back(cluster);
 }
 
 void ProperScores::add(const Forecast& forecast, const Eigen::MatrixXd& measured) {
@@ -181,8 +183,24 @@ double ProperScores::coverage(double part) const {
   check_part(part);
   if (below_.empty()) return kNotSaid;
   int inside = 0;
-  for (const double p : below_) inside += std::abs(p - 0.5) <= 0.5 * part ? 1 : 0;
+  for (std::size_t k = 0; k < below_.size(); ++k) inside += is_inside(k, part) ? 1 : 0;
   return static_cast<double>(inside) / static_cast<double>(below_.size());
+}
+
+double ProperScores::coverage_error(double part) const {
+  const double share = coverage(part);
+  std::map<int, double> excesses;  // of numbers inside over those expected, by cluster
+  for (std::size_t k = 0; k < below_.size(); ++k)
+    excesses[clusters_[k]] += (is_inside(k, part) ? 1.0 : 0.0) - share;
+  const auto count = static_cast<double>(excesses.size());
+  if (count < 2.0) return kNotSaid;
+  double squares = 0.0;
+  for (const auto& [cluster, excess] : excesses) squares += excess * excess;
+  return std::sqrt(count / (count - 1.0) * squares) / static_cast<double>(below_.size());
+}
+
+bool ProperScores::is_inside(std::size_t k, double part) const {
+  return std::abs(below_[k] - 0.5) <= 0.5 * part;
 }
 
 }  // namespace samara::identification

@@ -50,7 +50,8 @@ NormalMixture marginal(const Forecast& forecast, Eigen::Index time, Eigen::Index
 class ProperScores {
  public:
   /// One more. @param measured NaN: missing, and not counted
-  void add(const NormalMixture& mixture, double measured);
+  /// @param cluster of numbers that err alike, such as those of one motion
+  void add(const NormalMixture& mixture, double measured, int cluster = 0);
   /// All times and outputs of a forecast. @param measured times x outputs, NaN where missing
   void add(const Forecast& forecast, const Eigen::MatrixXd& measured);
 
@@ -60,10 +61,17 @@ class ProperScores {
   /// Share of numbers in the central interval that holds a part of the distribution.
   /// @param part in (0, 1)
   double coverage(double part) const;
+  /// Its standard error, clusters being drawn anew: sqrt(C/(C - 1) sum_c (i_c - p n_c)^2)/n, where cluster c has i_c
+  /// of its n_c numbers inside, p is the coverage and n = sum_c n_c (W. G. Cochran, Sampling Techniques, 3rd ed.,
+  /// Wiley 1977, section 3.12). NaN for fewer than two clusters.
+  double coverage_error(double part) const;
   const std::vector<double>& each_crps() const { return crps_; }
 
  private:
+  bool is_inside(std::size_t k, double part) const;
+
   std::vector<double> crps_ = {}, below_ = {};  ///< of each, and P(X <= measured)
+  std::vector<int> clusters_ = {};              ///< of each
 };
 
 }  // namespace samara::identification

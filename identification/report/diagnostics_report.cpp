@@ -85,6 +85,7 @@ Json json_of(const PredictionScore& p) {
                  {"crps", number(p.crps)},
                  {"coverage50", number(p.coverage50)},
                  {"coverage90", number(p.coverage90)},
+                 {"coverage90_error", number(p.coverage90_error)},
                  {"behind_best", number(p.behind_best)},
                  {"behind_best_error", number(p.behind_best_error)}};
   if (!p.capture.empty()) object["capture"] = p.capture;

@@ -93,10 +93,35 @@ TEST_CASE("truths drawn from the forecast lie in its central intervals as often 
   CHECK(honest.coverage(0.5) == Approx(0.5).margin(0.024));
   CHECK(honest.coverage(0.9) == Approx(0.9).margin(0.015));
   CHECK(narrow.coverage(0.9) < 0.75);
+  CHECK(std::isnan(honest.coverage_error(0.9)));  // of one cluster
   // Proper: who says what is so has the better score.
   CHECK(honest.mean_crps() < narrow.mean_crps());
   honest.add(kThreeNormals, kNoValue);
   CHECK(honest.count() == 4000);
+}
+
+TEST_CASE("the error of a coverage is its scatter among draws of motions whose numbers err alike") {
+  constexpr int kDraws = 2000, kMotions = 20, kNumbers = 7;
+  double sum = 0.0, squares = 0.0, error_squares = 0.0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    samara::Stream stream(41, static_cast<std::uint64_t>(draw));
+    ProperScores scores;
+    for (int motion = 0; motion < kMotions; ++motion) {
+      const double common = stream.normal();
+      // Of motions seen for as long as they lasted: a different number each.
+      for (int k = 0; k < 1 + motion % kNumbers; ++k)
+        scores.add(normal(0.0, std::sqrt(1.25)), common + 0.5 * stream.normal(), motion);
+    }
+    const double coverage = scores.coverage(0.9), error = scores.coverage_error(0.9);
+    sum += coverage;
+    squares += coverage * coverage;
+    error_squares += error * error;
+  }
+  const double scatter = std::sqrt(squares / kDraws - sum * sum / kDraws / kDraws);
+  CHECK(sum / kDraws == Approx(0.9).margin(0.005));
+  CHECK(std::sqrt(error_squares / kDraws) == Approx(scatter).epsilon(0.1));
+  // As if every number were by itself, it would be far too small.
+  CHECK(scatter > 1.5 * std::sqrt(0.9 * 0.1 / (kMotions * (1 + kNumbers) / 2.0)));
 }
 
 TEST_CASE("a forecast of several outputs is scored by the mean over what was measured") {
