@@ -13,7 +13,7 @@
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
 #include "inputs/value_lists.h"
-#include "models/steered_model.h"
+#include "models/model_with_series.h"
 #include "options/option_parts.h"
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
@@ -248,9 +248,9 @@ int run_simulate(const SimulateArguments& arguments) {
   const bool in_one_wind = !arguments.wind.empty() && arguments.cloud.realisations.empty();
   const auto model =
       in_one_wind ? model_in_wind(arguments.wind, seed_of(arguments.cloud), still, values) : still;
-  SteeredModel steered{.book = nullptr, .model = model, .values = std::move(values)};
+  ModelWithSeries steered{.book = nullptr, .model = model, .values = std::move(values)};
   if (!arguments.coefficients.empty()) {
-    steered = steered_model(arguments.coefficients, model, steered.values);
+    steered = model_with_series(arguments.coefficients, model, steered.values);
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
   require_parameters(steered.model->info(), steered.values);

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
-#include "models/steered_model.h"
+#include "models/model_with_series.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/model_file.h"
@@ -133,9 +133,9 @@ int run_ghost(const GhostArguments& arguments) {
   for (const auto& parameter : model->info().parameters) units[parameter.name] = parameter.unit;
   parameter_units = units;
   for (const auto& state : model->info().states) units[state.name + "(0)"] = state.unit;
-  SteeredModel steered{.book = nullptr, .model = model, .values = parse_assignments(arguments.set, units)};
+  ModelWithSeries steered{.book = nullptr, .model = model, .values = parse_assignments(arguments.set, units)};
   if (!arguments.coefficients.empty()) {
-    steered = steered_model(arguments.coefficients, model, steered.values);
+    steered = model_with_series(arguments.coefficients, model, steered.values);
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
   require_parameters(model->info(), steered.values);

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/argument_checks.h"
 #include "samara/pgd/fields/field.h"
 
 namespace samara::codebooks {

@@ -12,7 +12,7 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/made.h"
+#include "samara/codebooks/book/provenance.h"
 #include "samara/codebooks/build/compaction.h"
 #include "samara/codebooks/build/described.h"
 #include "samara/codebooks/build/effort.h"

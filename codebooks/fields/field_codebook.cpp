@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/made.h"
+#include "samara/codebooks/book/provenance.h"
 #include "samara/codebooks/fields/direct_reference.h"
 #include "samara/models/fields/field_model.h"
 #include "samara/models/laws/registry.h"

@@ -6,9 +6,9 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/model_file.h"
-#include "samara/codebooks/plan/plan_box.h"
-#include "samara/codebooks/plan/plan_builder.h"
-#include "samara/codebooks/plan/plan_tolerance.h"
+#include "samara/codebooks/plan/box_table.h"
+#include "samara/codebooks/plan/builder_table.h"
+#include "samara/codebooks/plan/tolerance_table.h"
 
 namespace samara::codebooks {
 

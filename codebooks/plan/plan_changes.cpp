@@ -6,7 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/text.h"
-#include "samara/codebooks/plan/plan_box.h"
+#include "samara/codebooks/plan/box_table.h"
 #include "samara/io/toml_document.h"
 #include "samara/io/toml_edit.h"
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/book/argument_checks.h"
 #include "samara/codebooks/book/book_model.h"
-#include "samara/codebooks/book/box.h"
 #include "samara/models/trajectories/derived_outputs.h"
 
 namespace samara::codebooks {

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/argument_checks.h"
 
 namespace samara::codebooks {
 

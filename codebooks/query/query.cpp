@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/argument_checks.h"
 #include "samara/codebooks/query/query_choice.h"
 
 namespace samara::codebooks {

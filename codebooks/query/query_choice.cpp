@@ -10,7 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
-#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/argument_checks.h"
 #include "samara/codebooks/book/certificate_points.h"
 
 namespace samara::codebooks {

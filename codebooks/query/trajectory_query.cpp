@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/argument_checks.h"
 #include "samara/codebooks/query/kernels/residual_rows.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/query_choice.h"

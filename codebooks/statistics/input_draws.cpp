@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/argument_checks.h"
 #include "samara/codebooks/book/sobol_points.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/made.h"
+#include "samara/codebooks/book/provenance.h"
 #include "samara/codebooks/build/described.h"
 #include "samara/codebooks/build/sampling_builder.h"
 #include "samara/codebooks/certify/measure.h"

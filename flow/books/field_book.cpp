@@ -10,7 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/certificate_points.h"
-#include "samara/codebooks/book/made.h"
+#include "samara/codebooks/book/provenance.h"
 #include "samara/codebooks/build/sampling_builder.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/point_errors.h"

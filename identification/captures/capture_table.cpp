@@ -10,7 +10,7 @@
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/identification/captures/capture_axes.h"
-#include "samara/identification/captures/column_meanings.h"
+#include "samara/identification/captures/table_columns.h"
 
 namespace samara::identification {
 

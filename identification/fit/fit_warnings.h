@@ -6,7 +6,8 @@
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/solve/uncertainty.h"
 
-/// Internal to identification/: the warnings of a fit. A new one goes here, its kind in warnings.h.
+/// Internal to identification/: warnings of the finished result of a fit. A check that looks at something else
+/// adds its own where it is made; the kinds of all are in warnings.h.
 namespace samara::identification {
 
 /// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.

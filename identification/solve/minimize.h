@@ -7,7 +7,7 @@
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/problem/segment_residual.h"
 
-/// Internal to identification/; with ceres_terms.h the only place that knows Ceres.
+/// Internal to identification/; with ceres_terms.h the only place that knows Ceres' solver.
 namespace samara::identification {
 
 struct MinimizeResult {

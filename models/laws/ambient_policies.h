@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "samara/models/interface/model.h"
-#include "samara/models/laws/vector3.h"
+#include "samara/models/law_tools/vector3.h"
 
 /// Ambient flows that laws are built on: what the undisturbed fluid does where the body is.
 ///

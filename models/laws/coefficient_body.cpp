@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "samara/models/laws/reynolds.h"
+#include "samara/models/law_tools/reynolds.h"
 #include "samara/models/laws/spatial_body.h"
 
 namespace samara::models::laws {

@@ -1,6 +1,6 @@
 #include "samara/models/laws/ellipsoid_body.h"
 
-#include "samara/models/laws/parameter_list.h"
+#include "samara/models/law_tools/parameter_list.h"
 
 namespace samara::models::laws {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "samara/models/laws/parameter_list.h"
+#include "samara/models/law_tools/parameter_list.h"
 
 namespace samara::models::laws {
 

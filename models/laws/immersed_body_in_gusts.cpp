@@ -1,6 +1,6 @@
 // Apart from immersed_body.cpp: the kernels of each take the compiler long.
+#include "samara/models/law_tools/parameter_list.h"
 #include "samara/models/laws/immersed_body.h"
-#include "samara/models/laws/parameter_list.h"
 
 namespace samara::models::laws {
 

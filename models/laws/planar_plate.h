@@ -3,8 +3,8 @@
 #include <array>
 #include <cstddef>
 
+#include "samara/models/law_tools/reynolds.h"
 #include "samara/models/laws/law_model.h"
-#include "samara/models/laws/reynolds.h"
 
 /// What all laws of plates moving in a vertical plane share: their states, and the quasi-steady forces of
 /// A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling plates, J. Fluid

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "samara/models/batch/law_kernel.h"
-#include "samara/models/laws/reynolds.h"
+#include "samara/models/law_tools/reynolds.h"
 #include "samara/models/laws/rigid_body.h"
 
 /// Quasi-steady forces of a fluid on a flat body with the outline of an ellipse, normal to body z: drag, the

@@ -4,10 +4,10 @@
 #include <numbers>
 #include <vector>
 
-#include "samara/models/laws/attitude.h"
-#include "samara/models/laws/drag_scales.h"
+#include "samara/models/law_tools/attitude.h"
+#include "samara/models/law_tools/drag_scales.h"
+#include "samara/models/law_tools/vector3.h"
 #include "samara/models/laws/law_model.h"
-#include "samara/models/laws/vector3.h"
 
 /// What all bodies with a full pose share: their thirteen states, loads, weight and scales.
 namespace samara::models::laws {

@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
+#include "samara/models/law_tools/parameter_list.h"
 #include "samara/models/laws/ambient_policies.h"
-#include "samara/models/laws/parameter_list.h"
 #include "samara/models/laws/spatial_inertia.h"
 
 namespace samara::models::laws {

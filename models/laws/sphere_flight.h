@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "samara/models/laws/reynolds.h"
+#include "samara/models/law_tools/reynolds.h"
 #include "samara/models/laws/rigid_body.h"
 
 namespace samara::models::laws {

@@ -1,8 +1,8 @@
 #include <numbers>
 
-#include "samara/models/laws/drag_scales.h"
+#include "samara/models/law_tools/drag_scales.h"
+#include "samara/models/law_tools/reynolds.h"
 #include "samara/models/laws/law_model.h"
-#include "samara/models/laws/reynolds.h"
 
 namespace samara::models::laws {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "samara/models/batch/law_kernel.h"
-#include "samara/models/laws/attitude.h"
+#include "samara/models/law_tools/attitude.h"
 
 /// Rows of lanes in the registers of the machine, for sources that are compiled for it and for nothing else: a scalar S
 /// is a number of one lane (double), or of as many as a register holds (Pack). Both do the same operations, so that a lane

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "samara/models/laws/parameter_list.h"
+#include "samara/models/law_tools/parameter_list.h"
 
 /// What the wake and the separation of the flow add to quasi-steady forces on a plate, in the plane and in space.
 ///

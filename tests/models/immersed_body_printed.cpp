@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "samara/models/law_tools/parameter_list.h"
 #include "samara/models/laws/ellipsoid_body.h"
-#include "samara/models/laws/parameter_list.h"
 
 namespace samara::models::laws {
 

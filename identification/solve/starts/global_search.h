@@ -8,7 +8,7 @@
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/problem/segment_residual.h"
 
-/// Internal to identification/; the only place that knows NLopt.
+/// Internal to identification/; with design/release_search.cpp the only place that knows NLopt.
 namespace samara::identification {
 
 /// Searches the whole box of the shared unknowns for where a descent should begin. The cost of a point is

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "samara/models/laws/parameter_list.h"
+#include "samara/models/law_tools/parameter_list.h"
 
 /// Coefficients as functions of the Reynolds number Re = l U / nu, smooth, written once for all laws:
 ///

@@ -1,4 +1,4 @@
-#include "samara/codebooks/plan/plan_body.h"
+#include "samara/codebooks/plan/body_table.h"
 
 #include <algorithm>
 #include <filesystem>

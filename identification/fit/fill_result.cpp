@@ -1,4 +1,4 @@
-#include "samara/identification/fit/fit_summary.h"
+#include "samara/identification/fit/fill_result.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "samara/codebooks/plan/plan_tolerance.h"
+#include "samara/codebooks/plan/tolerance_table.h"
 
 #include <fmt/format.h>
 

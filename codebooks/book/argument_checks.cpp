@@ -1,4 +1,4 @@
-#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/argument_checks.h"
 
 #include <algorithm>
 #include <cmath>

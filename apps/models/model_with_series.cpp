@@ -1,4 +1,4 @@
-#include "models/steered_model.h"
+#include "models/model_with_series.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 namespace samara::apps {
 
-void SteeredModel::check_time(double end) const {
+void ModelWithSeries::check_time(double end) const {
   const codebooks::Coordinate& t = book->coordinates().front();
   const double rounding = 1e-9 * (t.upper - t.lower);  // differences of measured times end a little off
   if (t.lower <= rounding && end <= t.upper + rounding) return;
@@ -20,9 +20,9 @@ void SteeredModel::check_time(double end) const {
       t.lower, t.upper, t.unit, end));
 }
 
-SteeredModel steered_model(const std::string& file, const std::shared_ptr<const models::Model>& model,
-                           const std::map<std::string, double>& set) {
-  SteeredModel steered{
+ModelWithSeries model_with_series(const std::string& file, const std::shared_ptr<const models::Model>& model,
+                                  const std::map<std::string, double>& set) {
+  ModelWithSeries steered{
       .book = std::make_unique<codebooks::Codebook>(codebooks::load(file)), .model = nullptr, .values = set};
   for (const pgd::OutputLabel& output : steered.book->outputs()) {
     if (!set.contains(output.name)) continue;

@@ -1,4 +1,4 @@
-#include "samara/identification/captures/column_meanings.h"
+#include "samara/identification/captures/table_columns.h"
 
 #include <algorithm>
 #include <optional>

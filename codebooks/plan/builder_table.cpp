@@ -1,4 +1,4 @@
-#include "samara/codebooks/plan/plan_builder.h"
+#include "samara/codebooks/plan/builder_table.h"
 
 #include <cstdint>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "samara/codebooks/book/made.h"
+#include "samara/codebooks/book/provenance.h"
 
 #include <array>
 #include <ctime>

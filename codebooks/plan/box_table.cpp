@@ -1,4 +1,4 @@
-#include "samara/codebooks/plan/plan_box.h"
+#include "samara/codebooks/plan/box_table.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@
 namespace samara::apps {
 
 /// A model whose parameters follow the codebook of a series.
-struct SteeredModel {
+struct ModelWithSeries {
   std::unique_ptr<const codebooks::Codebook> book;  ///< the model looks into it
   std::shared_ptr<const models::Model> model;
   /// Of parameters and initial values: what was set, and what the series holds besides.
@@ -24,7 +24,7 @@ struct SteeredModel {
 /// @param set values that were set, SI
 /// @throws InputError for a file that is no series of the model; ArgumentError if one of its coefficients was
 ///   set.
-SteeredModel steered_model(const std::string& file, const std::shared_ptr<const models::Model>& model,
-                           const std::map<std::string, double>& set);
+ModelWithSeries model_with_series(const std::string& file, const std::shared_ptr<const models::Model>& model,
+                                  const std::map<std::string, double>& set);
 
 }  // namespace samara::apps

@@ -1,4 +1,4 @@
-#include "samara/codebooks/plan/plan_command.h"
+#include "samara/codebooks/plan/command_table.h"
 
 #include <algorithm>
 #include <cctype>

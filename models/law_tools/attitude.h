@@ -1,6 +1,6 @@
 #pragma once
 
-#include "samara/models/laws/vector3.h"
+#include "samara/models/law_tools/vector3.h"
 
 /// Attitude of a body by a quaternion q = (w, x, y, z), body to world.
 namespace samara::models::laws {

@@ -1,4 +1,4 @@
-#include "samara/motion/sweeps/exponents.h"
+#include "samara/motion/sweeps/lyapunov_exponents.h"
 
 #include <algorithm>
 #include <array>
