@@ -49,6 +49,16 @@ void check_count(const char* what, Eigen::Index count, const Eigen::VectorXd& ti
       fmt::format("a span of {} times has {} {}; as many were expected", times.size(), count, what));
 }
 
+void check_span(const SeenMotion& span) {
+  check_count("positions", span.positions.rows(), span.times);
+  if (span.rates.size() == 0) return;
+  check_count("rates", span.rates.rows(), span.times);
+  if (span.rates.cols() == span.positions.cols()) return;
+  throw ArgumentError(
+      fmt::format("a motion has rates of {} components and positions of {}; as many were expected",
+                  span.rates.cols(), span.positions.cols()));
+}
+
 void check_times(const Eigen::VectorXd& span, const Eigen::VectorXd& times) {
   if (!span.allFinite() || !times.allFinite())
     throw ArgumentError("a time of a prediction is not finite; finite times were expected");
@@ -159,8 +169,7 @@ const std::vector<Baseline>& all_baselines() {
 }
 
 Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::VectorXd& times) {
-  check_count("positions", span.positions.rows(), span.times);
-  if (span.rates.size() > 0) check_count("rates", span.rates.rows(), span.times);
+  check_span(span);
   check_times(span.times, times);
   if (baseline == Baseline::point_with_drag) return predict_point_with_drag(span, times);
   Eigen::MatrixXd result(times.size(), span.positions.cols());
@@ -191,11 +200,12 @@ double gain_of_component(Baseline baseline, const SeenMotion& span, Eigen::Index
   const bool is_point = baseline == Baseline::point_with_drag;
   const int degree = is_point ? degree_of(Baseline::quadratic) : degree_of(baseline);
   if (by_rates && span.rates.size() == 0) return kNaN;
-  const Eigen::VectorXd values =
-      by_rates ? Eigen::VectorXd(span.positions.col(component) + span.rates.col(component))
-               : Eigen::VectorXd(span.positions.col(component));
+  // A point takes frames that show all components, four or more (point_with_drag.h).
+  Eigen::VectorXd values = span.positions.col(component);
+  if (is_point) values = span.positions.rowwise().sum();
+  if (by_rates) values += span.rates.col(component);
   const std::vector<Eigen::Index> frames = seen_frames(values, follows_end(baseline));
-  if (std::ssize(frames) <= degree) return kNaN;
+  if (std::ssize(frames) <= (is_point ? degree + 1 : degree)) return kNaN;
   const Eigen::VectorXd t = span.times(frames);
   const double origin = t[t.size() - 1];
   const double length = std::max(t.maxCoeff() - t.minCoeff(), std::numeric_limits<double>::min());
@@ -215,8 +225,7 @@ double gain_of_component(Baseline baseline, const SeenMotion& span, Eigen::Index
 }  // namespace
 
 double noise_gain(Baseline baseline, const SeenMotion& span, double time) {
-  check_count("positions", span.positions.rows(), span.times);
-  if (span.rates.size() > 0) check_count("rates", span.rates.rows(), span.times);
+  check_span(span);
   check_times(span.times, Eigen::VectorXd::Constant(1, time));
   if (baseline == Baseline::point_with_drag && span.up < 0) return kNaN;
   double largest = kNaN;
@@ -316,9 +325,8 @@ PredictionTally::PredictionTally(std::string predictor, std::string quantity, st
     : score_{.predictor = std::move(predictor), .quantity = std::move(quantity), .unit = std::move(unit)} {}
 
 void PredictionTally::add(const std::vector<double>& distances, int cluster) {
+  const int own = --latest_own_;
   if (distances.empty()) return;
-  // Its own: below all that were given.
-  const int own = -1 - score_.captures;
   ++score_.captures;
   distances_.insert(distances_.end(), distances.begin(), distances.end());
   clusters_.insert(clusters_.end(), distances.size(), cluster < 0 ? own : cluster);

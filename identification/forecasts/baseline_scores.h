@@ -141,6 +141,7 @@ class PredictionTally {
   PredictionScore score_;
   std::vector<double> distances_;
   std::vector<int> clusters_;  ///< of each distance
+  int latest_own_ = 0;  ///< below all that were given: one for each call, so that tallies agree on captures
   ProperScores proper_;
 };
 

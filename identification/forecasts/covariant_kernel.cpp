@@ -2,42 +2,13 @@
 
 #include <cmath>
 #include <complex>
-#include <initializer_list>
-#include <iterator>
 #include <limits>
+
+#include <unsupported/Eigen/SpecialFunctions>
 
 namespace samara::identification {
 
 namespace {
-
-double polynomial(double x, std::initializer_list<double> coefficients) {
-  double sum = 0.0;
-  for (auto c = std::rbegin(coefficients); c != std::rend(coefficients); ++c) sum = sum * x + *c;
-  return sum;
-}
-
-/// exp(-x) I_0(x) and exp(-x) I_1(x) of x >= 0, to 3e-7 (Abramowitz and Stegun, Handbook of Mathematical Functions,
-/// 1964, 9.8.1 to 9.8.4).
-constexpr double kSeries = 3.75;
-double scaled_i0(double x) {
-  if (x < kSeries) {
-    return std::exp(-x) * polynomial(x * x / (kSeries * kSeries),
-                                     {1.0, 3.5156229, 3.0899424, 1.2067492, 0.2659732, 0.0360768, 0.0045813});
-  }
-  return polynomial(kSeries / x, {0.39894228, 0.01328592, 0.00225319, -0.00157565, 0.00916281, -0.02057706,
-                                  0.02635537, -0.01647633, 0.00392377}) /
-         std::sqrt(x);
-}
-double scaled_i1(double x) {
-  if (x < kSeries) {
-    return std::exp(-x) * x *
-           polynomial(x * x / (kSeries * kSeries),
-                      {0.5, 0.87890594, 0.51498869, 0.15084934, 0.02658733, 0.00301532, 0.00032411});
-  }
-  return polynomial(kSeries / x, {0.39894228, -0.03988024, -0.00362018, 0.00163801, -0.01031555, 0.02282967,
-                                  -0.02895312, 0.01787654, -0.00420059}) /
-         std::sqrt(x);
-}
 
 /// Of moments and centres: z as they are seen and with the centres mirrored, and the logarithm of the Gaussian kernel
 /// less the real part of z.
@@ -81,7 +52,7 @@ Eigen::ArrayXXd half_still(const Products& products, const Eigen::ArrayXXcd& z) 
     return 0.125 * (turned.none + turned.one + turned.two + turned.three);
   }
   const Eigen::ArrayXXd size = z.abs2().sqrt();
-  return 0.5 * (products.log + size).exp() * size.unaryExpr(&scaled_i0);
+  return 0.5 * (products.log + size).exp() * Eigen::bessel_i0e(size);
 }
 Eigen::ArrayXXcd half_turning(const Products& products, const Eigen::ArrayXXcd& z) {
   if (products.log_exchanged.size() > 0) {
@@ -93,7 +64,7 @@ Eigen::ArrayXXcd half_turning(const Products& products, const Eigen::ArrayXXcd& 
   }
   const Eigen::ArrayXXd size = z.abs2().sqrt(),
                         direction = size.max(std::numeric_limits<double>::min()).inverse();
-  return z * (0.5 * (products.log + size).exp() * size.unaryExpr(&scaled_i1) * direction);
+  return z * (0.5 * (products.log + size).exp() * Eigen::bessel_i1e(size) * direction);
 }
 
 }  // namespace

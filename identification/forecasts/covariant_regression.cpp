@@ -49,7 +49,9 @@ std::vector<std::size_t> every_so_many(std::span<const Turning> features, std::s
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     if (parts[a] != parts[b]) return parts[a] < parts[b];
-    return std::ranges::lexicographical_compare(features[a].others, features[b].others);
+    if (features[a].others != features[b].others)
+      return std::ranges::lexicographical_compare(features[a].others, features[b].others);
+    return features[a].level.squaredNorm() < features[b].level.squaredNorm();
   });
   const auto count = std::min(most, std::ssize(order));
   std::vector<std::size_t> chosen;
@@ -80,6 +82,13 @@ struct PartSolution {
   Eigen::MatrixXd left = {};
 };
 
+/// NaN where the matrix is not positive definite: round-off has eaten the penalty.
+Eigen::MatrixXd solved(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& right) {
+  const Eigen::LLT<Eigen::MatrixXd> factors(normal);
+  if (factors.info() == Eigen::Success) return factors.solve(right);
+  return Eigen::MatrixXd::Constant(right.rows(), right.cols(), std::numeric_limits<double>::quiet_NaN());
+}
+
 /// @param members rows of the terms that belong to each part
 PartSolution solve_parts(const Eigen::MatrixXd& terms, const Eigen::MatrixXd& penalty,
                          const Eigen::MatrixXd& values,
@@ -95,9 +104,9 @@ PartSolution solve_parts(const Eigen::MatrixXd& terms, const Eigen::MatrixXd& pe
     right += rights.back();
   }
   normal.diagonal().array() += kRoundOff * normal.diagonal().mean();
-  PartSolution solution{.all = normal.llt().solve(right), .left = values};
+  PartSolution solution{.all = solved(normal, right), .left = values};
   for (std::size_t part = 0; part < members.size(); ++part) {
-    solution.without.push_back((normal - normals[part]).llt().solve(Eigen::MatrixXd(right - rights[part])));
+    solution.without.push_back(solved(normal - normals[part], right - rights[part]));
     solution.left(members[part], Eigen::all) -= terms(members[part], Eigen::all) * solution.without.back();
   }
   return solution;
@@ -116,7 +125,8 @@ struct CovariantRegression::Steps {
   static Steps begin(std::span<const Turning> features, std::span<const Turning> values,
                      std::span<const std::size_t> parts, const Weights& weights, Eigen::Index most,
                      Eigen::Index most_centres);
-  /// Both set the regression's coefficients. @returns the sum of distances left when parts foretell the others
+  /// Both set the regression's coefficients. @returns the sum of distances left when parts foretell the others; NaN
+  /// where there is no solution
   double solve_level(double length, double ridge);
   double solve_others(double length, double ridge);
 };
@@ -132,11 +142,12 @@ CovariantRegression::Steps CovariantRegression::Steps::begin(std::span<const Tur
                          rows_of(features, chosen, &Turning::others),
                          rows_of(features, chosen, &Turning::views)};
   const double count = static_cast<double>(chosen.size());
-  // What does not vary says nothing: in units of infinity it is 0.
+  // What does not vary, beside its size or beside others of its kind, says nothing: in units of infinity it is 0.
   const auto or_silence = [](const Eigen::RowVectorXd& widths, const Eigen::RowVectorXd& sizes) {
     constexpr double kStill = 1e-12;
-    return Eigen::RowVectorXd(
-        (widths.array() > kStill * sizes.array()).select(widths, std::numeric_limits<double>::infinity()));
+    const double widest = widths.size() > 0 ? widths.maxCoeff() : 0.0;
+    return Eigen::RowVectorXd((widths.array() > kStill * sizes.array().max(widest))
+                                  .select(widths, std::numeric_limits<double>::infinity()));
   };
   CovariantRegression& regression = steps.regression;
   regression.weights_ = weights;
@@ -229,14 +240,15 @@ CovariantRegression CovariantRegression::fit(std::span<const Turning> features,
   if (features.empty() || std::ranges::all_of(parts, [&](std::size_t part) { return part == parts[0]; }))
     return {};
   Steps few = Steps::begin(features, values, parts, weights, kChoosing, kChoosingCentres);
+  if (std::ranges::count_if(few.other_members, [](const auto& part) { return !part.empty(); }) < 2) return {};
   const Choice level = chosen_by([&](double length, double ridge) { return few.solve_level(length, ridge); });
   const Choice others =
       chosen_by([&](double length, double ridge) { return few.solve_others(length, ridge); });
   if (!(level.length > 0.0 && others.length > 0.0)) return {};
   Steps all = Steps::begin(features, values, parts, weights, kMost, kCentres);
-  all.solve_level(level.length, level.ridge);
-  all.solve_others(others.length, others.ridge);
-  return all.regression;
+  const bool is_solved = std::isfinite(all.solve_level(level.length, level.ridge)) &&
+                         std::isfinite(all.solve_others(others.length, others.ridge));
+  return is_solved ? all.regression : CovariantRegression();
 }
 
 Eigen::RowVectorXcd CovariantRegression::in_both_views() const {

@@ -47,7 +47,7 @@ class CovariantRegression {
   static CovariantRegression fit(std::span<const Turning> features, std::span<const Turning> values,
                                  std::span<const std::size_t> parts, const Weights& weights);
 
-  /// Whether there were two parts or more to choose by.
+  /// Whether there were two parts or more to choose by, and the equations could be solved.
   bool is_fitted() const { return level_.length > 0.0; }
   /// Of values that turn.
   double length() const { return level_.length; }

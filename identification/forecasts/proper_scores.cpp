@@ -1,5 +1,6 @@
 #include "samara/identification/forecasts/proper_scores.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -60,12 +61,14 @@ void check_part(double part) {
       fmt::format("a part of a distribution is {}; more than 0 and less than 1 was expected", part));
 }
 
-double below(const NormalMixture& mixture, double x) {
+/// P(X <= x), or P(X < x).
+double below(const NormalMixture& mixture, double x, bool or_at = true) {
   double sum = 0.0;
   for (Eigen::Index k = 0; k < mixture.weights.size(); ++k) {
     const double away = x - mixture.means[k];
     const double deviation = mixture.deviations[k];
-    const double part = deviation > 0.0 ? normal_below(away / deviation) : (away >= 0.0 ? 1.0 : 0.0);
+    const double part =
+        deviation > 0.0 ? normal_below(away / deviation) : (away > 0.0 || (or_at && away == 0.0) ? 1.0 : 0.0);
     sum += mixture.weights[k] * part;
   }
   return sum;
@@ -156,11 +159,11 @@ NormalMixture marginal(const Forecast& forecast, Eigen::Index time, Eigen::Index
 void ProperScores::add(const NormalMixture& mixture, double measured, int cluster) {
   if (std::isnan(measured)) return;
   crps_.push_back(crps(mixture, measured));
-  below_.push_back(below(mixture, measured));
+  below_.push_back(std::clamp(0.5, below(mixture, measured, false), below(mixture, measured)));
   clusters_.push_back(cluster);
 }
 
-void ProperScores::add(const Forecast& forecast, const Eigen::MatrixXd& measured) {
+void ProperScores::add(const Forecast& forecast, const Eigen::MatrixXd& measured, int cluster) {
   if (measured.rows() != forecast.times.size() || measured.cols() != std::ssize(forecast.outputs)) {
     throw ArgumentError(fmt::format("a forecast of {} times and {} outputs was compared with {} x {} values",
                                     forecast.times.size(), forecast.outputs.size(), measured.rows(),
@@ -169,7 +172,7 @@ void ProperScores::add(const Forecast& forecast, const Eigen::MatrixXd& measured
   for (Eigen::Index time = 0; time < measured.rows(); ++time) {
     for (Eigen::Index output = 0; output < measured.cols(); ++output) {
       const NormalMixture mixture = marginal(forecast, time, output);
-      if (mixture.weights.size() > 0) add(mixture, measured(time, output));
+      if (mixture.weights.size() > 0) add(mixture, measured(time, output), cluster);
     }
   }
 }

@@ -53,7 +53,7 @@ class ProperScores {
   /// @param cluster of numbers that err alike, such as those of one motion
   void add(const NormalMixture& mixture, double measured, int cluster = 0);
   /// All times and outputs of a forecast. @param measured times x outputs, NaN where missing
-  void add(const Forecast& forecast, const Eigen::MatrixXd& measured);
+  void add(const Forecast& forecast, const Eigen::MatrixXd& measured, int cluster = 0);
 
   int count() const { return static_cast<int>(crps_.size()); }
   /// NaN where nothing was counted.
@@ -70,8 +70,10 @@ class ProperScores {
  private:
   bool is_inside(std::size_t k, double part) const;
 
-  std::vector<double> crps_ = {}, below_ = {};  ///< of each, and P(X <= measured)
-  std::vector<int> clusters_ = {};              ///< of each
+  /// Of each, and P(X <= measured); where the distribution steps at the measured value, what of the step is nearest
+  /// to 1/2: a certain forecast that is right lies in every interval.
+  std::vector<double> crps_ = {}, below_ = {};
+  std::vector<int> clusters_ = {};  ///< of each
 };
 
 }  // namespace samara::identification

@@ -5,7 +5,9 @@
 #include <limits>
 
 #include <Eigen/QR>
+#include <fmt/format.h>
 
+#include "samara/base/errors.h"
 #include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
@@ -79,6 +81,10 @@ Eigen::MatrixXd places_back(const SeenMotion& seen, const Eigen::VectorXd& inter
 }
 
 Eigen::MatrixXcd views_back(const SeenMotion& seen, const Eigen::VectorXd& intervals) {
+  if (seen.views.cols() > 0 && seen.views.rows() != seen.times.size()) {
+    throw ArgumentError(fmt::format("a motion of {} times has {} frames of views; as many were expected",
+                                    seen.times.size(), seen.views.rows()));
+  }
   Eigen::MatrixXcd views = Eigen::MatrixXcd::Constant(intervals.size(), seen.views.cols(), kUnseen);
   const std::vector<Eigen::Index> placed = complete_frames(seen);
   std::vector<Eigen::Index> frames;

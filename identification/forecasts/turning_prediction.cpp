@@ -7,7 +7,9 @@
 #include <vector>
 
 #include <Eigen/QR>
+#include <fmt/format.h>
 
+#include "samara/base/errors.h"
 #include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
@@ -89,6 +91,10 @@ Turning TurningPrediction::features_of(const SeenMotion& seen, const Eigen::Vect
 
 TurningPrediction TurningPrediction::fit(std::span<const TurningMoment> moments, const Components& components,
                                          double way_back) {
+  if (components.level.size() != 2) {
+    throw ArgumentError(
+        fmt::format("a turning prediction of {} level components; 2 were expected", components.level.size()));
+  }
   std::set<int> motions;
   for (const TurningMoment& one : moments) motions.insert(one.motion);
   if (motions.size() < kFewestMotions) return {};
@@ -135,12 +141,22 @@ double TurningPrediction::learn(std::span<const TurningMoment> moments) {
   return gained;
 }
 
+void TurningPrediction::check_asked(const SeenMotion& seen) const {
+  if (!is_fitted()) throw ArgumentError("a turning prediction was asked before it was fitted");
+  if (seen.positions.cols() > *std::ranges::max_element(components_.level)) return;
+  throw ArgumentError(fmt::format(
+      "a motion of {} components was asked about; level components {} and {} were expected among them",
+      seen.positions.cols(), components_.level[0], components_.level[1]));
+}
+
 Eigen::RowVectorXd TurningPrediction::moved(const SeenMotion& seen, const Eigen::VectorXd& known) const {
+  check_asked(seen);
   return displacement_of(regression_.at(features_of(seen, known)), components_);
 }
 
 Eigen::RowVectorXd TurningPrediction::moved_without(std::size_t part, const SeenMotion& seen,
                                                     const Eigen::VectorXd& known) const {
+  check_asked(seen);
   return displacement_of(regression_.without(part, features_of(seen, known)), components_);
 }
 

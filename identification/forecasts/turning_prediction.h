@@ -31,7 +31,7 @@ class TurningPrediction {
  public:
   /// Not fitted for fewer than twelve motions, whose parts say little of another motion, and where what is predicted
   /// with it by its share does not foresee the parts better, each from the others and all moments together.
-  /// @param components two level ones  @param way_back intervals
+  /// @param components two level ones, else ArgumentError  @param way_back intervals
   static TurningPrediction fit(std::span<const TurningMoment> moments, const Components& components,
                                double way_back);
 
@@ -54,6 +54,7 @@ class TurningPrediction {
   /// @returns by how much the sum of distances is less than that of the first prediction; 0 where nothing was fitted
   double learn(std::span<const TurningMoment> moments);
   Turning features_of(const SeenMotion& seen, const Eigen::VectorXd& known) const;
+  void check_asked(const SeenMotion& seen) const;
   /// At the places of the whole way back.
   Eigen::MatrixXcd views_of(const SeenMotion& seen) const;
 

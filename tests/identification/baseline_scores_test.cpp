@@ -128,6 +128,27 @@ TEST_CASE("a tally has median and root mean square over captures") {
   CHECK(score.predictor == "straight line");
 }
 
+TEST_CASE("tallies of which one was given an empty capture still agree on the captures") {
+  PredictionTally one("model", "position"), other("straight line", "position");
+  one.add({});
+  for (const double distance : {5.0, 7.0}) one.add({distance});
+  for (const double distance : {4.0, 5.0, 7.0}) other.add({distance});
+  // Of the captures of the first, however they are drawn, both say the same.
+  CHECK(one.behind(other).error == 0.0);
+}
+
+TEST_CASE("the noise of a point with drag is told only where four frames show all components") {
+  SeenMotion span{
+      .times = Eigen::VectorXd::LinSpaced(5, 0.0, 0.4), .positions = Eigen::MatrixXd::Ones(5, 3), .up = 2};
+  span.positions.col(2) = -4.9 * span.times.array().square();
+  CHECK(noise_gain(Baseline::point_with_drag, span, 0.6) > 1.0);
+  span.positions(0, 0) = kNaN;
+  CHECK(noise_gain(Baseline::point_with_drag, span, 0.6) > 1.0);
+  span.positions(1, 1) = kNaN;
+  CHECK(std::isnan(noise_gain(Baseline::point_with_drag, span, 0.6)));
+  CHECK(predict(Baseline::point_with_drag, span, Eigen::VectorXd::Constant(1, 0.6)).array().isNaN().all());
+}
+
 TEST_CASE("distances are those of the plane") {
   Eigen::MatrixXd a(1, 2), b(1, 2);
   a << 1.0, 2.0;
@@ -138,6 +159,12 @@ TEST_CASE("distances are those of the plane") {
 TEST_CASE("predictions refuse shapes that do not fit") {
   CHECK_THROWS_AS(predict(Baseline::cubic, {kSeen, Eigen::MatrixXd(3, 2)}, kNext), samara::ArgumentError);
   CHECK_THROWS_AS(prediction_distances(Eigen::MatrixXd(3, 2), Eigen::MatrixXd(3, 1)), samara::ArgumentError);
+  const SeenMotion uneven{.times = kSeen,
+                          .positions = Eigen::MatrixXd::Ones(kSeen.size(), 3),
+                          .rates = Eigen::MatrixXd::Ones(kSeen.size(), 2)};
+  CHECK_THROWS_WITH(predict(Baseline::measured_velocity, uneven, kNext),
+                    Catch::Contains("rates of 2 components"));
+  CHECK_THROWS_AS(noise_gain(Baseline::measured_velocity, uneven, 1.0), samara::ArgumentError);
   CHECK(all_baselines().size() == 7);
   CHECK(to_string(Baseline::constant_velocity) == "constant velocity");
 }

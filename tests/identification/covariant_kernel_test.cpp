@@ -52,16 +52,15 @@ void check_means(Eigen::Index views, int turns) {
   const Eigen::MatrixXd still = still_kernel(moments, centres);
   const TurningKernel turning = turning_kernel(moments, centres);
   const TurningRows mirror = mirrored_rows(centres);
-  constexpr double kSeriesError = 1e-6;  // of the Bessel functions, twice
+  constexpr double kRoundOff = 1e-13;
   for (Eigen::Index m = 0; m < 6; ++m) {
     for (Eigen::Index c = 0; c < 5; ++c) {
       const auto half_mean = [&](const TurningRows& of, int power) {
         return 0.5 * mean_over_turns(moments, m, of, c, turns, power);
       };
-      CHECK(still(m, c) ==
-            Approx((half_mean(centres, 0) + half_mean(mirror, 0)).real()).margin(kSeriesError));
-      CHECK(std::abs(turning.as_seen(m, c) - half_mean(centres, 1)) < kSeriesError);
-      CHECK(std::abs(turning.mirrored(m, c) - half_mean(mirror, 1)) < kSeriesError);
+      CHECK(still(m, c) == Approx((half_mean(centres, 0) + half_mean(mirror, 0)).real()).margin(kRoundOff));
+      CHECK(std::abs(turning.as_seen(m, c) - half_mean(centres, 1)) < kRoundOff);
+      CHECK(std::abs(turning.mirrored(m, c) - half_mean(mirror, 1)) < kRoundOff);
     }
   }
 }

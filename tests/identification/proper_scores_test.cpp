@@ -100,6 +100,16 @@ TEST_CASE("truths drawn from the forecast lie in its central intervals as often 
   CHECK(honest.count() == 4000);
 }
 
+TEST_CASE("a certain forecast lies in every interval where it is right, and in none where it is wrong") {
+  ProperScores right, wrong;
+  right.add(normal(2.0, 0.0), 2.0);
+  wrong.add(normal(2.0, 0.0), 2.5);
+  for (const double part : {0.5, 0.9}) {
+    CHECK(right.coverage(part) == 1.0);
+    CHECK(wrong.coverage(part) == 0.0);
+  }
+}
+
 TEST_CASE("the error of a coverage is its scatter among draws of motions whose numbers err alike") {
   constexpr int kDraws = 2000, kMotions = 20, kNumbers = 7;
   double sum = 0.0, squares = 0.0, error_squares = 0.0;
@@ -134,6 +144,9 @@ TEST_CASE("a forecast of several outputs is scored by the mean over what was mea
   ProperScores scores;
   scores.add(forecast, measured);
   CHECK(scores.count() == 3);
+  CHECK(std::isnan(scores.coverage_error(0.9)));
+  scores.add(forecast, measured, 1);
+  CHECK(scores.coverage_error(0.9) == 0.0);  // of two clusters that are alike
   const NormalMixture last = marginal(forecast, 1, 1);
   CHECK(last.weights.isApprox(Eigen::Vector2d(0.25, 0.75)));
   CHECK(last.deviations.isApprox(Eigen::Vector2d(6.0, 6.0)));

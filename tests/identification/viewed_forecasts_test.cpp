@@ -8,6 +8,7 @@
 #include "samara/base/streams.h"
 #include "samara/identification/forecasts/autoregression.h"
 #include "samara/identification/forecasts/recent_motion.h"
+#include "samara/identification/forecasts/turning_prediction.h"
 
 using namespace samara::identification;
 
@@ -75,6 +76,17 @@ TEST_CASE("views some intervals back lie on lines between frames that show them,
   CHECK((back.col(1).array() - std::complex<double>(0.5, 3.0)).abs().maxCoeff() < 1e-12);
   seen.views.setConstant(kNotShown);
   CHECK(views_back(seen, Eigen::Vector2d(0.0, 1.0)).array().isNaN().all());
+  seen.views.conservativeResize(12, 2);
+  CHECK_THROWS_WITH(views_back(seen, Eigen::Vector2d(0.0, 1.0)), Catch::Contains("12 frames of views"));
+}
+
+TEST_CASE("a turning prediction that was not fitted refuses to foretell") {
+  const SeenMotion seen{.times = Eigen::VectorXd::LinSpaced(11, 0.0, 1.0),
+                        .positions = Eigen::MatrixXd::Ones(11, 3)};
+  CHECK_THROWS_WITH(TurningPrediction().moved(seen, {}), Catch::Contains("before it was fitted"));
+  CHECK_THROWS_WITH(TurningPrediction().moved_without(0, seen, {}), Catch::Contains("before it was fitted"));
+  CHECK_THROWS_WITH(TurningPrediction::fit({}, {.level = {0}}, 11.0),
+                    Catch::Contains("1 level components; 2"));
 }
 
 TEST_CASE("what views tell of the way ahead is learned") {
