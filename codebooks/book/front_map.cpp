@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -32,8 +34,8 @@ struct ChebyshevValues {
   }
 };
 
-void require_front(bool holds, const char* what) {
-  if (!holds) throw ArgumentError(fmt::format("a coordinate counted from a front {}", what));
+void require_front(bool holds, const std::string& what) {
+  if (!holds) throw ArgumentError("a coordinate counted from a front " + what);
 }
 
 }  // namespace
@@ -54,37 +56,59 @@ FrontMap::FrontMap(int coordinate, double lower, double upper, std::vector<Other
       place_(std::move(place)) {
   require_front(std::isfinite(lower) && std::isfinite(upper) && lower < upper && coordinate >= 0,
                 "has no interval");
-  require_front(others_.size() <= kMostOthers, "knows a front that depends on more than four others");
+  require_front(others_.size() <= kMostOthers,
+                fmt::format("knows a front that depends on {} others; {} at most were expected",
+                            others_.size(), kMostOthers));
   Eigen::Index count = 1;
   for (const Other& other : others_) {
+    require_front(other.coordinate != coordinate, "knows a front that depends on the coordinate itself");
     require_front(std::isfinite(other.lower) && std::isfinite(other.upper) && other.lower < other.upper &&
-                      other.coordinate >= 0 && other.coordinate != coordinate,
+                      other.coordinate >= 0,
                   "knows a front that depends on no interval");
     require_front(std::ranges::count(others_, other.coordinate, &Other::coordinate) == 1,
                   "knows a front that depends on one other twice");
     require_front(other.coefficients >= 1 && other.coefficients <= kMostCoefficients,
-                  "knows a front with more than sixteen coefficients along an other");
+                  fmt::format("knows a front with {} coefficients along an other; 1 to {} were expected",
+                              other.coefficients, kMostCoefficients));
     count *= other.coefficients;
   }
-  require_front(count <= kMostTogether, "knows a front with more than 512 coefficients");
-  require_front(place_.size() == count && place_.allFinite(),
-                "knows a front with other coefficients than it says");
-  // The sum of their sizes bounds the polynomial, but by far: it is looked at where the others have equal steps.
-  constexpr int kSteps = 16;
+  require_front(
+      count <= kMostTogether,
+      fmt::format("knows a front with {} coefficients; {} at most were expected", count, kMostTogether));
+  require_front(
+      place_.size() == count && place_.allFinite(),
+      fmt::format("knows a front by {} coefficients; {} finite ones were expected", place_.size(), count));
+  require_front(stays_inside(), "knows a front that leaves its interval");
+}
+
+/// Whether |G| is below 1 everywhere. The sum of the coefficients bounds it, but by far; else a polynomial of degree n is
+/// nowhere larger than 1/cos(pi n/(2 N)) times the largest of its values at the N + 1 points cos(pi k/N) (Ehlich and
+/// Zeller, Math. Z. 86 (1964) 41-44), along each of the others.
+bool FrontMap::stays_inside() const {
+  if (place_.cwiseAbs().sum() < 1.0) return true;
+  constexpr int kDenser = 6;  // N/n
   std::vector<double> x(1);
-  for (const Other& other : others_)
-    x.resize(std::max(x.size(), static_cast<std::size_t>(other.coordinate) + 1));
   std::size_t points = 1;
-  for (std::size_t k = 0; k < others_.size(); ++k) points *= kSteps + 1;
+  double most = 1.0;
+  for (const Other& other : others_) {
+    x.resize(std::max(x.size(), static_cast<std::size_t>(other.coordinate) + 1));
+    points *= static_cast<std::size_t>(kDenser * (other.coefficients - 1) + 1);
+    if (other.coefficients > 1) most *= std::cos(std::numbers::pi / (2 * kDenser));
+  }
   for (std::size_t n = 0; n < points; ++n) {
     std::size_t rest = n;
     for (const Other& other : others_) {
-      const double share = static_cast<double>(rest % (kSteps + 1)) / kSteps;
-      x[static_cast<std::size_t>(other.coordinate)] = other.lower + share * (other.upper - other.lower);
-      rest /= kSteps + 1;
+      const auto steps = static_cast<std::size_t>(kDenser * (other.coefficients - 1));
+      const double angle =
+          steps > 0 ? std::numbers::pi * static_cast<double>(rest % (steps + 1)) / static_cast<double>(steps)
+                    : 0.0;
+      x[static_cast<std::size_t>(other.coordinate)] =
+          0.5 * (other.lower + other.upper) + 0.5 * (other.upper - other.lower) * std::cos(angle);
+      rest /= steps + 1;
     }
-    require_front(std::abs(place_at(x.data(), false).value) < 1.0, "knows a front that leaves its interval");
+    if (std::abs(place_at(x.data(), false).value) >= most) return false;
   }
+  return true;
 }
 
 FrontMap::Place FrontMap::place_at(const double* x, bool with_derivatives) const {
@@ -161,9 +185,10 @@ double FrontMap::to_axis(const double* x, Derivatives& derivatives) const {
 }
 
 FrontMap FrontMap::shifted(int by) const {
-  std::vector<Other> others = others_;
-  for (Other& other : others) other.coordinate += by;
-  return {coordinate_ + by, lower_, upper_, std::move(others), place_};
+  FrontMap map = *this;
+  map.coordinate_ += by;
+  for (Other& other : map.others_) other.coordinate += by;
+  return map;
 }
 
 FrontMap FrontMap::restricted(int place, double value) const {
@@ -187,8 +212,11 @@ FrontMap FrontMap::restricted(int place, double value) const {
     others.push_back(other);
     if (other.coordinate > place) --others.back().coordinate;
   }
-  return {coordinate_ - (coordinate_ > place ? 1 : 0), lower_, upper_, std::move(others),
-          std::move(coefficients)};
+  FrontMap map = *this;  // which stays inside, as this one does
+  if (coordinate_ > place) --map.coordinate_;
+  map.others_ = std::move(others);
+  map.place_ = std::move(coefficients);
+  return map;
 }
 
 }  // namespace samara::codebooks

@@ -32,7 +32,8 @@ class FrontMap {
   /// @param coordinate place among the numbers of a point  @param lower,upper ends of its box
   /// @param place coefficients of G, products of those of the others, the first of them fastest
   /// @throws ArgumentError for an empty interval, one other twice or the coordinate itself, more of them or of their
-  ///   coefficients than above, a wrong number of coefficients, or ones that are not finite or let the front leave the box
+  ///   coefficients than above, a wrong number of coefficients, or ones that are not finite or may let the front leave
+  ///   the box
   FrontMap(int coordinate, double lower, double upper, std::vector<Other> others, Eigen::VectorXd place);
 
   int coordinate() const { return coordinate_; }
@@ -63,6 +64,7 @@ class FrontMap {
 
  private:
   struct Place;
+  bool stays_inside() const;
   Place place_at(const double* x, bool with_derivatives) const;
   double scaled(double x) const { return 2.0 * (x - lower_) / (upper_ - lower_) - 1.0; }
   double unscaled(double v) const { return lower_ + 0.5 * (upper_ - lower_) * (v + 1.0); }

@@ -55,17 +55,25 @@ class FrontSearch {
     const Eigen::MatrixXd lines = check_lines();
     const std::vector<Section> sections = sections_of(lines);
     if (!std::ranges::all_of(sections, is_inside)) return {};
-    for (;;) {
-      if (!look_at_grid()) return {};
-      const std::optional<FrontMap> map = map_of(coefficients());
-      double error = map ? 0.0 : kMostError + 1.0;
+    std::optional<FrontMap> best;
+    for (double least = kMostError; least > kLittleError;) {
+      const std::vector<std::vector<int>> fresh = fresh_points();
+      if (!is_affordable(static_cast<Index>(fresh.size()))) break;
+      if (!look_at(fresh)) return {};
+      std::optional<FrontMap> map = map_of(coefficients());
+      double error = 0.0;
       for (Index j = 0; map && j < lines.cols(); ++j) {
         const auto line = static_cast<std::size_t>(j);
         const double place = (map->front_at(lines.col(j).data()) - middle_[coordinate_]) / half_[coordinate_];
         error = std::max(error, std::abs(place - sections[line].place) / sections[line].width);
       }
-      if (error <= kLittleError || !raise_degree()) return error <= kMostError ? map : std::nullopt;
+      if (map && error <= least) {
+        least = error;
+        best = std::move(map);
+      }
+      if (!raise_degree()) break;
     }
+    return best;
   }
 
  private:
@@ -98,14 +106,18 @@ class FrontSearch {
     return points;
   }
 
-  /// @returns whether the front is there, on all lines, and points allow it
-  bool look_at_grid() {
+  /// Those of the grid whose lines were not looked at.
+  std::vector<std::vector<int>> fresh_points() const {
     std::vector<std::vector<int>> fresh;
     for (std::vector<int>& point : grid()) {
       if (!places_.contains(point)) fresh.push_back(std::move(point));
     }
+    return fresh;
+  }
+
+  /// @returns whether the front is there, on all lines
+  bool look_at(const std::vector<std::vector<int>>& fresh) {
     const auto count = static_cast<Index>(fresh.size());
-    if (!is_affordable(count)) return false;
     Eigen::MatrixXd lines = middle_.replicate(1, count);
     for (Index j = 0; j < count; ++j) {
       for (std::size_t k = 0; k < others_.size(); ++k) {
@@ -233,7 +245,8 @@ class FrontSearch {
       double last = 0.0;
       for (Index n = 0; n < all.size(); ++n) last += (n / before) % count == count - 1 ? all[n] : 0.0;
       before *= count;
-      if (count == kMostNodes || last <= largest) continue;
+      const Index more = all.size() / count * (2 * count - 1);
+      if (count == kMostNodes || more > FrontMap::kMostTogether || last <= largest) continue;
       largest = last;
       raised = &count;
     }

@@ -59,6 +59,26 @@ TEST_CASE("the place of a front is found as a polynomial of the other coordinate
   CHECK(map->others().size() == 2);
 }
 
+TEST_CASE(
+    "of a front that no affordable polynomial meets, the best one is taken if it errs by two widths at "
+    "most") {
+  const Place wavy = [](const Eigen::VectorXd& point) {
+    return 0.2 * std::sin(2.2 * point[0] - 1.9) * std::cos(2.0 * point[1] + 0.2) *
+           std::cos(2.0 * point[2] - 0.1);
+  };
+  const std::optional<FrontMap> map = found(wavy, 4);
+  REQUIRE(map);
+  samara::pgd::Random random(5);
+  double worst = 0.0;
+  for (int j = 0; j < 200; ++j) {
+    const Eigen::Vector4d point(2.0 * random.uniform(), 2.0 * random.uniform() - 1.0,
+                                2.0 * random.uniform() - 1.0, 0.7);
+    worst = std::max(worst, std::abs(map->front_at(point.data()) - wavy(point)));
+  }
+  CHECK(worst > 0.1 * kWidth);
+  CHECK(worst < 4.0 * kWidth);  // twice what 24 lines may show
+}
+
 TEST_CASE("there is no place of a front that comes near an end, has an edge, or takes too much to find") {
   CHECK_FALSE(found([](const Eigen::VectorXd& point) { return 0.5 * point[0]; }));
   CHECK_FALSE(found([](const Eigen::VectorXd& point) { return 0.5 * std::abs(point[1]); }));

@@ -213,11 +213,25 @@ TEST_CASE("what a front cannot be is refused in a sentence") {
   };
   CHECK_THROWS_WITH(made({}, Eigen::VectorXd::Constant(1, 1.0)), Contains("leaves its interval"));
   CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 2}}, Eigen::Vector2d(0.5, 0.6)), Contains("leaves its interval"));
-  CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 2}}, Eigen::VectorXd::Zero(3)), Contains("other coefficients"));
-  CHECK_THROWS_WITH(made({{1, 0.0, 1.0, 2}}, Eigen::Vector2d::Zero()), Contains("no interval"));
+  CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 2}}, Eigen::VectorXd::Zero(3)), Contains("by 3 coefficients; 2"));
+  CHECK_THROWS_WITH(made({{1, 0.0, 1.0, 2}}, Eigen::Vector2d::Zero()), Contains("the coordinate itself"));
+  CHECK_THROWS_WITH(made({{2, 1.0, 1.0, 2}}, Eigen::Vector2d::Zero()), Contains("no interval"));
   CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 1}, {2, 0.0, 1.0, 2}}, Eigen::Vector2d::Zero()), Contains("twice"));
-  CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 17}}, Eigen::VectorXd::Zero(17)), Contains("sixteen"));
+  CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 17}}, Eigen::VectorXd::Zero(17)),
+                    Contains("17 coefficients along an other; 1 to 16"));
+  CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 0}}, Eigen::VectorXd::Zero(0)),
+                    Contains("0 coefficients along an other"));
   CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 2}}, Eigen::Vector2d(0.0, std::nan(""))), Contains("coefficients"));
+  // Inside at 17 equal steps, far outside near an end.
+  const Eigen::VectorXd between{{0.23588477, 0.35297143, 0.47766988, 0.264, 0.34581857, 0.19748571,
+                                 0.01733012, 0.17554286, -1.07670334}};
+  CHECK_THROWS_WITH(made({{2, 0.0, 1.0, 9}}, between), Contains("leaves its interval"));
+  // Coefficients of 2.3 (x - x^3), which are more than 1 together, while it stays within 0.89; along one of two others.
+  Eigen::VectorXd within = Eigen::VectorXd::Zero(8);
+  within[1] = 0.575;
+  within[3] = -0.575;
+  const FrontMap map = made({{2, 0.0, 1.0, 4}, {0, 0.0, 1.0, 2}}, within);
+  for (const double value : {0.0, 0.21, 0.95}) CHECK(std::abs(map.restricted(2, value).place()[0]) < 0.89);
 
   const Piece piece = golden_front().pieces().front();
   const auto with = [&](FrontMap front) { return Piece(piece.groups(), std::move(front)); };
