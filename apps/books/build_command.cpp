@@ -13,6 +13,7 @@
 #include "samara/codebooks/file/save.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/file_lock.h"
+#include "samara/io/toml_document.h"
 #include "terminal/interrupts.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
@@ -32,6 +33,13 @@ void check_target(const BuildArguments& arguments) {
     throw ArgumentError(
         fmt::format("the output \"{}\" is a file, and no codebook: --force replaces it", arguments.output));
   const io::PendingFile probe(arguments.output);
+}
+
+/// The file of the body's mesh; empty without one.
+std::string mesh_of(const codebooks::Plan& plan, const std::string& file) {
+  const auto body = io::TomlTable::parse(plan.text, file).optional_table("body");
+  if (!body || !body->has("mesh")) return {};
+  return (std::filesystem::path(file).parent_path() / body->string("mesh")).string();
 }
 
 /// What an earlier build has left is taken up, unless the user wants to begin anew.
@@ -90,7 +98,7 @@ int run_build(const BuildArguments& arguments) {
   catch_interrupts();
   check_target(arguments);
   const codebooks::Plan plan = plan_of(arguments);
-  check_output(arguments.output, {plan.model_file});
+  check_output(arguments.output, {plan.model_file, mesh_of(plan, arguments.plan)});
   const io::FileLock lock(arguments.output + ".lock", fmt::format("builds {}", arguments.output));
   const codebooks::BuildOptions options = build_options(arguments);
   try {

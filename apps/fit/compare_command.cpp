@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +10,7 @@
 #include <glog/logging.h>
 
 #include "inputs/assignments.h"
+#include "inputs/capture_inputs.h"
 #include "options/option_parts.h"
 #include "samara/base/names.h"
 #include "samara/identification/files/comparison_files.h"
@@ -68,9 +70,9 @@ int run_compare(const CompareArguments& arguments) {
   FLAGS_minloglevel = google::GLOG_FATAL;
   if (!arguments.output.empty()) {
     std::vector<std::string> inputs = arguments.configs;
-    inputs.insert(inputs.end(), arguments.captures.begin(), arguments.captures.end());
     inputs.insert(inputs.end(), arguments.sources.begin(), arguments.sources.end());
-    inputs.push_back(arguments.sidecar);
+    for (std::string& file : files_of_captures(arguments.captures, arguments.sidecar))
+      inputs.push_back(std::move(file));
     check_output(arguments.output, inputs);
   }
   const id::ModelComparison comparison = id::compare_files(request_of(arguments));

@@ -97,19 +97,8 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   };
   if (!arguments.petab.empty() && std::ranges::none_of(arguments.captures, is_problem))
     throw ArgumentError("--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
-  const std::vector<std::pair<std::string, std::string>> written = {
-      {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
-  for (std::size_t a = 0; a < written.size(); ++a) {
-    for (std::size_t b = a + 1; b < written.size(); ++b) {
-      if (written[a].second.empty() || written[b].second.empty()) continue;
-      if (std::filesystem::absolute(written[a].second).lexically_normal() !=
-          std::filesystem::absolute(written[b].second).lexically_normal()) {
-        continue;
-      }
-      throw ArgumentError(fmt::format("{} and {} both name \"{}\"; two files were expected", written[a].first,
-                                      written[b].first, written[a].second));
-    }
-  }
+  check_outputs_differ(
+      {{"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}});
   check_ending("--report", arguments.report, ".html");
   if (arguments.petab.empty()) return;
   // Last: a call that is refused leaves no folder behind.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
+#include "inputs/capture_inputs.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -87,14 +88,10 @@ id::FollowRequest request_of(const FollowArguments& arguments) {
 /// Before any work: what would be overwritten, or cannot be written.
 void check_files(const FollowArguments& arguments) {
   if (arguments.output.empty()) return;
-  std::vector<std::string> inputs = {arguments.source, arguments.fit, arguments.config, arguments.sidecar};
-  const auto add = [&](const std::string& track) {
-    const auto files =
-        arguments.sidecar.empty() ? id::capture_files(track) : id::capture_files(track, arguments.sidecar);
-    for (const std::filesystem::path& file : files) inputs.push_back(file.string());
-  };
-  add(arguments.track);
-  for (const std::string& track : arguments.training) add(track);
+  std::vector<std::string> tracks = arguments.training;
+  tracks.push_back(arguments.track);
+  std::vector<std::string> inputs = files_of_captures(tracks, arguments.sidecar);
+  inputs.insert(inputs.end(), {arguments.source, arguments.fit, arguments.config});
   check_output(arguments.output, inputs);
 }
 

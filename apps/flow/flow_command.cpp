@@ -139,6 +139,10 @@ int run_flow(const FlowArguments& arguments) {
       arguments.plan, [](const std::string& path) { return models::read_mesh(path, 1.0); });
   const io::FileLock lock(arguments.output + ".lock", fmt::format("computes {}", arguments.output));
   if (!plan.box.empty()) return build_book(arguments, plan);
+  std::error_code ignored;
+  if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output))
+    throw ArgumentError(fmt::format(
+        "the output \"{}\" is a codebook, and a flow would be written: it would be lost", arguments.output));
   const flow::FlowOptions options = flow_options(arguments, plan);
   const flow::FlowResult result = flow::solve_flow(plan.flow, options);
   clear_progress();
@@ -148,7 +152,6 @@ int run_flow(const FlowArguments& arguments) {
                      options.checkpoint.string()));
     return kInterrupted;
   }
-  std::error_code ignored;
   if (result.status == flow::FlowStatus::diverged) {
     const bool kept = fs::exists(options.checkpoint, ignored);
     throw NoResultError(fmt::format(

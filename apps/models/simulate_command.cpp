@@ -234,7 +234,8 @@ int animate(const SimulateArguments& arguments, const models::ParametricModel& p
 int run_simulate(const SimulateArguments& arguments) {
   check_cloud_words(arguments);
   if (!arguments.output.empty())
-    check_output(arguments.output, {arguments.model, arguments.coefficients, arguments.wind});
+    check_output(arguments.output,
+                 {arguments.model, arguments.coefficients, arguments.wind, arguments.body.body});
   const auto still = codebooks::open_model(arguments.model);
   const models::ModelInfo& info = still->info();
   if (arguments.forces && info.force_terms.empty()) {

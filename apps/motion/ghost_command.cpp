@@ -1,4 +1,5 @@
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -6,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
+#include "inputs/capture_inputs.h"
 #include "models/model_with_series.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
@@ -126,8 +128,11 @@ std::string table_of(const motion::GhostForce& ghost) {
 }
 
 int run_ghost(const GhostArguments& arguments) {
-  if (!arguments.output.empty())
-    check_output(arguments.output, {arguments.model, arguments.path, arguments.coefficients});
+  if (!arguments.output.empty()) {
+    std::vector<std::string> inputs = files_of_captures(std::span(&arguments.path, 1));
+    inputs.insert(inputs.end(), {arguments.model, arguments.coefficients});
+    check_output(arguments.output, inputs);
+  }
   const auto model = codebooks::open_model(arguments.model);
   std::map<std::string, std::string> units, parameter_units;
   for (const auto& parameter : model->info().parameters) units[parameter.name] = parameter.unit;

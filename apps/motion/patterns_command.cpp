@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "inputs/assignments.h"
+#include "inputs/capture_inputs.h"
 #include "motion/motion_answers.h"
 #include "motion/pattern_points.h"
 #include "motion/sweep_patterns.h"
@@ -130,7 +131,7 @@ CaptureBody body_of_captures(const PatternsArguments& arguments) {
   }
   if (arguments.length.empty()) return body;
   body.length = number_or_quantity("--length", arguments.length, "m");
-  if (!(body.length >= 0.0))
+  if (!(body.length > 0.0))
     throw ArgumentError(fmt::format("--length is {}, expected more than 0", arguments.length));
   return body;
 }
@@ -185,7 +186,6 @@ int patterns_of_captures(const PatternsArguments& arguments) {
 }
 
 int run_patterns(const PatternsArguments& arguments) {
-  if (!arguments.output.empty()) check_output(arguments.output, arguments.inputs);
   if (arguments.clusters < 1 || arguments.clusters > 100)
     throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", arguments.clusters));
   // What is called a sweep is read as one, so that a damaged one is refused for what it is.
@@ -195,11 +195,15 @@ int run_patterns(const PatternsArguments& arguments) {
   const auto sweep = std::ranges::find_if(arguments.inputs, is_sweep);
   if (sweep != arguments.inputs.end() && arguments.inputs.size() > 1)
     throw ArgumentError(fmt::format("\"{}\" is a sweep, which was expected alone", *sweep));
-  if (!arguments.report.empty()) {
-    std::vector<std::string> inputs = arguments.inputs;
-    inputs.insert(inputs.end(), {arguments.sidecar, arguments.labels, arguments.body});
+  if (!arguments.output.empty() || !arguments.report.empty()) {
+    std::vector<std::string> inputs = sweep != arguments.inputs.end()
+                                          ? arguments.inputs
+                                          : files_of_captures(arguments.inputs, arguments.sidecar);
+    inputs.insert(inputs.end(), {arguments.labels, arguments.body});
     std::erase(inputs, "");
-    check_output(arguments.report, inputs);
+    for (const std::string& path : {arguments.output, arguments.report})
+      if (!path.empty()) check_output(path, inputs);
+    check_outputs_differ({{"--output", arguments.output}, {"--report", arguments.report}});
     check_ending("--report", arguments.report, ".html");
   }
   check_point_words(arguments);

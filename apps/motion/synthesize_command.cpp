@@ -2,6 +2,8 @@
 #include <memory>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -40,16 +42,20 @@ struct SynthesizeArguments {
   bool json = false;
 };
 
-void check_outputs(const SynthesizeArguments& arguments) {
+void check_outputs(const SynthesizeArguments& arguments, const std::vector<std::string>& inputs) {
   const bool is_csv = std::filesystem::path(arguments.output).extension() == ".csv";
   if (!is_csv && !io::is_scene_name(arguments.output)) {
     throw ArgumentError(
         fmt::format("-o is \"{}\", expected a name that ends in .glb, .usda or .csv", arguments.output));
   }
-  for (const std::string& path :
-       {arguments.output, arguments.course, arguments.csv, arguments.picture, arguments.report}) {
-    if (!path.empty()) check_output(path, {arguments.plan});
-  }
+  const std::vector<std::pair<std::string, std::string>> written = {{"--output", arguments.output},
+                                                                    {"--course", arguments.course},
+                                                                    {"--csv", arguments.csv},
+                                                                    {"--picture", arguments.picture},
+                                                                    {"--report", arguments.report}};
+  for (const auto& [option, path] : written)
+    if (!path.empty()) check_output(path, inputs);
+  check_outputs_differ(written);
   check_ending("--picture", arguments.picture, ".svg");
   check_ending("--report", arguments.report, ".html");
 }
@@ -112,8 +118,9 @@ int end_interrupted_search(const motion::PlanningOptions& options, const std::st
 
 int run_synthesize(const SynthesizeArguments& arguments) {
   catch_interrupts();
-  check_outputs(arguments);
+  check_outputs(arguments, {arguments.plan});
   const motion::MotionPlan plan = motion::read_motion_plan(arguments.plan);
+  check_outputs(arguments, plan.files);
   warn_of_parameters(*plan.model, plan.fixed);
   const io::FileLock lock(arguments.output + ".lock", fmt::format("synthesizes {}", arguments.output));
   const Animation animation = animation_of(arguments, plan);

@@ -48,6 +48,20 @@ void check_output(const std::string& path, const std::vector<std::string>& input
   io::require_writable(path);
 }
 
+void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written) {
+  for (std::size_t a = 0; a < written.size(); ++a) {
+    for (std::size_t b = a + 1; b < written.size(); ++b) {
+      if (written[a].second.empty() || written[b].second.empty()) continue;
+      if (std::filesystem::absolute(written[a].second).lexically_normal() !=
+          std::filesystem::absolute(written[b].second).lexically_normal()) {
+        continue;
+      }
+      throw ArgumentError(fmt::format("{} and {} both name \"{}\"; two files were expected", written[a].first,
+                                      written[b].first, written[a].second));
+    }
+  }
+}
+
 void check_ending(const std::string& option, const std::string& path, const std::string& ending) {
   const std::string found = lower_case(std::filesystem::path(path).extension().string());
   const bool is_ending = found.size() > 1 && found[1] >= 'a' && found[1] <= 'z' &&

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -23,6 +24,9 @@ void print(const Json& object);
 /// Before the work is done: whether an answer can be written to the file.
 /// @throws ArgumentError if not, or if it is one of the inputs.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
+/// Options that name files to write, with the names; those without one are not asked for.
+/// @throws ArgumentError where two name the same file.
+void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written);
 /// Of a file that is of one kind whatever its name is: `fall.png` must not hold a picture in SVG.
 /// Capitals do not matter, and an ending is letters, and digits behind them: that of `run_0.2` is none.
 /// @param option that names the file, such as "--report"

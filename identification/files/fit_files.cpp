@@ -21,6 +21,7 @@
 #include "samara/identification/fit/prediction.h"
 #include "samara/identification/petab/petab_problem.h"
 #include "samara/identification/petab/petab_result.h"
+#include "samara/io/toml_document.h"
 
 namespace samara::identification {
 
@@ -285,6 +286,13 @@ std::vector<std::filesystem::path> files_read(const FitRequest& request) {
   for (const std::filesystem::path& path :
        {std::filesystem::path(request.source), request.config, request.coefficients})
     if (!path.empty()) files.push_back(path);
+  if (!request.config.empty()) {
+    try {
+      if (const auto book = io::TomlTable::read(request.config).optional_string("codebook"))
+        files.push_back(request.config.parent_path() / *book);
+    } catch (const InputError&) {  // what is wrong in it is said when the fit reads it
+    }
+  }
   return files;
 }
 

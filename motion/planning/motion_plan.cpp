@@ -55,6 +55,11 @@ class PlanReader {
 
  private:
   std::filesystem::path folder() const { return std::filesystem::path(root_.file()).parent_path(); }
+  /// A file that the plan names.
+  std::filesystem::path named(const std::string& file) {
+    plan_.files.push_back((folder() / file).string());
+    return plan_.files.back();
+  }
 
   void read_model() {
     try {
@@ -121,8 +126,8 @@ class PlanReader {
   }
 
   /// The least and the most that a coefficient is in the series of a fit, at its instants: between them it is straight.
-  std::vector<double> range_of_series(const TomlTable& box, const std::string& key) const {
-    const codebooks::Codebook book = codebooks::load(folder() / box.string(key));
+  std::vector<double> range_of_series(const TomlTable& box, const std::string& key) {
+    const codebooks::Codebook book = codebooks::load(named(box.string(key)));
     try {
       const auto course = identification::codebook_course(book, plan_.model->info());
       const std::vector<std::string>& names = course->followed();
@@ -231,7 +236,7 @@ class PlanReader {
     const std::string key = path->has("file") ? "file" : planar_ ? "side_to_side" : "rose";
     if (path->keys().size() > (path->has("deviation") ? 2U : 1U))
       throw path->error(key, "stands beside another line, expected one of them");
-    plan_.sketch = key == "file" ? read_sketch(folder() / path->string("file"), planar_, {length_, time_})
+    plan_.sketch = key == "file" ? read_sketch(named(path->string("file")), planar_, {length_, time_})
                                  : read_formula(*path, key);
     if (path->has("deviation"))
       plan_.deviation = positive(*path, "deviation", path->quantity("deviation", length_));
@@ -261,7 +266,7 @@ class PlanReader {
   void read_database() {
     const auto file = root_.optional_string("database");
     if (file) {
-      plan_.database = std::make_shared<const MotionDatabase>(load_database(folder() / *file));
+      plan_.database = std::make_shared<const MotionDatabase>(load_database(named(*file)));
       try {
         const SegmentChoices check(plan_);
       } catch (const ArgumentError& error) {
@@ -281,7 +286,7 @@ class PlanReader {
   void read_codebook() {
     const auto file = root_.optional_string("codebook");
     if (!file) return;
-    plan_.codebook = std::make_shared<const codebooks::Codebook>(codebooks::load(folder() / *file));
+    plan_.codebook = std::make_shared<const codebooks::Codebook>(codebooks::load(named(*file)));
     try {
       const BookTangents check(plan_);
     } catch (const ArgumentError& error) {

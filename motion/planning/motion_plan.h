@@ -58,7 +58,8 @@ struct MotionPlan {
   std::optional<MotionSequence> sequence;
   MotionSearch search;
 
-  std::string source;  ///< file it came from, for messages
+  std::string source;              ///< file it came from, for messages
+  std::vector<std::string> files;  ///< others that it names
   std::string text;
 
   /// Semi-length of the body, the unit of deviations in costs; the model's length where it does not say [m].

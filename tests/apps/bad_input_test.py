@@ -445,6 +445,31 @@ class BadCalls(Case):
         self.check_error(run("fit", path, capture, "-o", capture), 2, "overwrite")
         self.assertEqual(path.read_bytes(), before)
 
+    def test_inputs_that_other_inputs_name_are_not_overwritten_either(self):
+        line = book("line", LINE_PLAN)
+        table = write("named.csv", "t[s],x[m]\n" + "".join(f"{k / 50},{k * k / 9000}\n" for k in range(60)))
+        sidecar = write("names.toml", 'file = "named.csv"\n[labels]\nfile = "marks.csv"\ncolumn = "name"\n')
+        labels = write("marks.csv", "name,drop\nnamed,1\n")
+        config = write("with_book.toml", f'codebook = "{line.name}"\n')
+        cube = write("cube.obj", "v 0 0 0\n")
+        body = write("of_mesh.toml", 'model = "kirchhoff_body"\n[body]\nmesh = "cube.obj"\nunit = "cm"\n'
+                     'density = "2000 kg/m^3"\nfluid_density = "1000 kg/m^3"\n')
+        kept = {file: file.read_bytes() for file in (line, table, labels, cube)}
+        compared = ["compare", config, "--model", line, "--left-out", sidecar, "--by", "drop", "-o"]
+        for call in ([*compared, table], [*compared, labels],
+                     ["patterns", sidecar, "-o", table], ["patterns", sidecar, "-o", labels],
+                     ["patterns", table, "--labels", labels, "-o", labels],
+                     ["ghost", "falling_plate", sidecar, "-o", table],
+                     ["regime", "falling_plate", "--sweep", line, "-o", line],
+                     ["fit", "vertical_fall", sidecar, "--config", config, "-o", line],
+                     ["simulate", "kirchhoff_body", "--body", cube, "-o", cube]):
+            with self.subTest(call=call):
+                self.check_error(run(*call), 2, "which it would overwrite")
+        self.check_error(run("patterns", table, "-o", FOLDER / "two.html", "--report", FOLDER / "two.html"), 2, "two files were expected")
+        self.assertNotEqual(run("build", body, "-o", cube, "--force").returncode, 0)
+        for file, content in kept.items():
+            self.assertEqual(file.read_bytes(), content)
+
 
 if __name__ == "__main__":
     main()

@@ -10,7 +10,7 @@ import zlib
 import h5py
 import numpy
 
-from samara_case import FOLDER, Case, main, run, write
+from samara_case import FOLDER, LINE_PLAN, Case, book, main, run, write
 
 PLAN = """title = "small"
 [flow]
@@ -382,6 +382,10 @@ relative = 0.15
         self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and neither a flow nor a codebook")
         self.assertEqual(other.read_text(), "mine")
         self.assertFalse(os.path.exists(str(other) + ".checkpoint"))
+        line = book("line", LINE_PLAN)
+        kept = line.read_bytes()
+        self.check_error(run("flow", FOLDER / "again.toml", "-o", line), 2, "is a codebook, and a flow would be written")
+        self.assertEqual(line.read_bytes(), kept)
 
 
 if __name__ == "__main__":

@@ -142,6 +142,12 @@ class Syntheses(Case):
         self.check_error(run("synthesize", plan("bad.toml", SKETCH, other), "-o", FOLDER / "bad.csv"), 3, "bad.toml:1", "inertia_ratio = 1.3")
         self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--resume"), 2, "to go on from")
         self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--report", FOLDER / "bad.toml"), 2, "overwrite")
+        for named in re.findall(r'"([^"]+\.(?:h5|csv))"', plan("bad.toml", SKETCH).read_text()):
+            kept = (FOLDER / named).read_bytes()
+            self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", "--course", FOLDER / named), 2, "overwrite")
+            self.assertEqual((FOLDER / named).read_bytes(), kept)
+        self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", "--course", FOLDER / "bad.csv"), 2,
+                         "--output and --course both name")
 
     def test_tangents_of_a_codebook_are_told_in_the_answer(self):
         windows = FOLDER / "windows.h5"
