@@ -82,6 +82,8 @@ Eigen::VectorXd certificate_places(const Codebook& book) {
 }
 
 Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_t seed) {
+  if (book.parameters().empty())
+    throw ArgumentError("a codebook of time alone has no box, in which points were expected");
   Eigen::MatrixXd q = sobol_points(static_cast<int>(book.parameters().size()), count, seed);
   for (Eigen::Index k = 0; k < q.rows(); ++k) {
     const Coordinate& c = book.parameters()[static_cast<std::size_t>(k)];

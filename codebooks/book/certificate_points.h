@@ -21,6 +21,7 @@ std::vector<double> certificate_times(const Codebook& book);
 Eigen::VectorXd certificate_places(const Codebook& book);
 
 /// Scrambled Sobol' points of the box: parameters x count. Of lists, each value as often as the others.
+/// @throws ArgumentError for a codebook of time alone
 Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_t seed);
 
 /// Lower and upper corner of the box of the parameters, for climbs: those whose values are a list have no

@@ -79,7 +79,8 @@ std::vector<Gap> gaps(const Capture& capture, const std::string& quantity) {
     if (!quantity.empty() && std::isnan(capture.channel(quantity).values[i])) continue;
     const double time = capture.times[i];
     if (before && time - *before > kLonger * interval) {
-      found.push_back({*before, time, static_cast<int>(std::lround((time - *before) / interval)) - 1});
+      constexpr double kMost = 1e18;  // times that are mistaken may lie anywhere
+      found.push_back({*before, time, std::lround(std::min((time - *before) / interval - 1.0, kMost))});
     }
     before = time;
   }

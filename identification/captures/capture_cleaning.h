@@ -25,7 +25,7 @@ namespace samara::identification {
 struct Gap {
   double begin = 0.0;  ///< s, the last frame before it
   double end = 0.0;    ///< s, the first frame after it
-  int missing = 0;     ///< frames, by the median interval
+  long missing = 0;    ///< frames, by the median interval; 10^18 at most
 };
 
 /// Intervals between seen frames that are longer than 1.5 median intervals.

@@ -76,10 +76,10 @@ bool suspect_times(const Capture& capture, Sentences& found) {
     found.push_back(fmt::format("frames are {:.3g} s apart: are times in another unit?", interval));
   if (interval < 1e-5)
     found.push_back(fmt::format("frames are {:.3g} s apart: are times in another unit?", interval));
-  int missing = 0;
+  double missing = 0.0;
   const std::vector<Gap> holes = gaps(capture);
-  for (const Gap& gap : holes) missing += gap.missing;
-  if (missing > 0)
+  for (const Gap& gap : holes) missing += static_cast<double>(gap.missing);
+  if (missing > 0.0)
     found.push_back(fmt::format("{} frames are missing, in {} gaps of the times", missing, holes.size()));
   return true;
 }

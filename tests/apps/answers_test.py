@@ -34,6 +34,8 @@ class Answers(Case):
         self.assertEqual(far.returncode, 5)
         self.assertRegex(far.stderr, r"left the box at t = [0-9.]+: v = 0\.5\d* m/s is outside \[0, 0\.5\]; values after t = [0-9.]+ are empty")
         self.assertTrue(far.stdout.splitlines()[-1].endswith(",,"))
+        told = run("query", window, "--set", "C_D=0.8", "--set", "v(0)=0.49", "--until", "2", "--json")  # compared with its schema
+        self.assertIsNone(json.loads(told.stdout)["outputs"][0]["values"][-1])
         self.check_error(run(*call, "--set", "v(0)=0.7"), 5, "left the box at t = 0: v = 0.7")
         self.check_error(run(*call, "--set", "v(0)=0.2", "--gradient"), 2, "none of --at, --gradient and --clamp")
         self.check_error(run("query", window, "--set", "C_D=1.2", "--set", "v(0)=0.2", "--until", "0"), 2, "more than 0")

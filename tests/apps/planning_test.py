@@ -107,6 +107,7 @@ class Planning(Case):
         self.assertGreater(worst_angle(seen["t"][every], truth[every], seen["t"], truth), math.radians(20))
         ghost = json.loads(run("ghost", "immersed_body", files["csv"], "--coefficients", files["h5"], "--json").stdout)
         self.assertLess(ghost["force"]["rms"], 1e-3)
+        self.check_error(run("plot", files["h5"], "--of", "error", "-o", FOLDER / "course.svg"), 2, "of time alone has no box")
 
     def test_a_sketch_is_followed_and_the_file_replays_the_fall(self):
         answer, files = planned()

@@ -38,6 +38,16 @@ TEST_CASE("an ordinary capture raises no suspicion") {
   }
 }
 
+TEST_CASE("a stray row a lifetime later is a gap of so many frames") {
+  Capture capture = fall(50);
+  capture.times[49] = 1e9;
+  const Sentences found = suspicions(capture);
+  const auto said = std::ranges::find_if(
+      found, [](const std::string& one) { return one.ends_with("in 1 gaps of the times"); });
+  REQUIRE(said != found.end());
+  CHECK(std::stod(*said) == Approx(1e11).epsilon(1e-6));
+}
+
 TEST_CASE("bad captures are suspected for what is wrong with them") {
   Capture capture = fall(50);
   Eigen::VectorXd& z = capture.channels[0].values;
