@@ -182,8 +182,10 @@ void report(const std::string& test_case, const std::vector<SplitScores>& splits
       farthest = &here;
   }
   print({kBench, test_case, "coverage90" + suffix, farthest->coverage90});
-  print({kBench, test_case, "coverage90_error" + suffix, farthest->coverage90_error});
-  print({kBench, test_case, "coverage90_mean" + suffix, sum / static_cast<double>(splits.size())});
+  if (std::isfinite(farthest->coverage90_error))
+    print({kBench, test_case, "coverage90_error" + suffix, farthest->coverage90_error});
+  if (splits.size() > 1)
+    print({kBench, test_case, "coverage90_mean" + suffix, sum / static_cast<double>(splits.size())});
 }
 
 }  // namespace samara::benchmarks::prediction
