@@ -114,7 +114,7 @@ class BoxGrid {
     const auto [entry, is_new] = known_.try_emplace(index, static_cast<int>(builder_.vertices.size()));
     if (is_new) {
       const Vector3d p(chebyshev(index[0], cells_[0]), chebyshev(index[1], cells_[1]),
-                       static_cast<double>(index[2]) / cells_[2] - 0.5);
+                       chebyshev(index[2], cells_[2]));
       builder_.add(sides_.cwiseProduct(p));
     }
     return entry->second;

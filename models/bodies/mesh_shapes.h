@@ -22,10 +22,9 @@ TriangleMesh ellipsoid_mesh(const Eigen::Vector3d& semi_axes, int rings, int sec
 TriangleMesh icosahedral_ellipsoid_mesh(const Eigen::Vector3d& semi_axes, int divisions,
                                         Placement placement = Placement::on_surface);
 
-/// Box with full sides [m] along x, y, z about the origin, made for plates with the normal z: its large faces
-/// and its rim are divided into nx by ny rectangles that shrink towards the edges as Chebyshev points do, the
-/// rim into nz layers. Triangles: 4 (nx ny + nz (nx + ny)).
-/// @throws ArgumentError if a side is not a positive number or a number of rectangles or layers is below 1.
+/// Box with full sides [m] along x, y, z about the origin: nx, ny and nz cells along them, which shrink towards
+/// the edges as Chebyshev points do. Triangles: 4 (nx ny + nz (nx + ny)).
+/// @throws ArgumentError if a side is not a positive number or a number of cells is below 1.
 TriangleMesh box_mesh(const Eigen::Vector3d& sides, int nx, int ny, int nz = 1);
 
 }  // namespace samara::models
