@@ -47,18 +47,22 @@ struct DesignArguments {
 
 std::map<std::string, models::Interval> boxes_of(const DesignArguments& arguments,
                                                  const models::FamilyInfo& family) {
+  const std::vector<std::string> known = models::names_of(family.coordinates);
   std::map<std::string, models::Interval> boxes;
   for (const std::string& given : arguments.set) {
-    const auto [name, text] = setting_of("--set", given);
+    const auto [written, text] = setting_of("--set", given);
+    const std::string name = full_name(written, known);
     const auto at = models::position(family.coordinates, name);
-    if (!at) {
-      throw ArgumentError(fmt::format("--set: unknown name \"{}\"{}", name,
-                                      suggestion(name, models::names_of(family.coordinates))));
-    }
+    if (!at) throw ArgumentError(fmt::format("--set: unknown name \"{}\"{}", name, suggestion(name, known)));
     if (!boxes.emplace(name, interval_of(name, text, family.coordinates[*at].unit)).second)
       throw ArgumentError(fmt::format("--set: \"{}\" is set twice", name));
   }
   return boxes;
+}
+
+std::vector<std::string> full_names(std::vector<std::string> names, const models::FamilyInfo& family) {
+  for (std::string& name : names) name = full_name(name, models::names_of(family.coordinates));
+  return names;
 }
 
 std::map<std::string, double> noise_of(const DesignArguments& arguments, const models::FamilyInfo& family) {
@@ -83,7 +87,7 @@ std::map<std::string, double> noise_of(const DesignArguments& arguments, const m
 id::DesignOptions options_of(const DesignArguments& arguments, const models::FamilyInfo& family) {
   id::DesignOptions options{.captures = arguments.captures,
                             .frames = arguments.frames,
-                            .release = arguments.release,
+                            .release = full_names(arguments.release, family),
                             .box = boxes_of(arguments, family),
                             .outputs = arguments.outputs,
                             .noise = noise_of(arguments, family),

@@ -68,7 +68,7 @@ class Designs(Case):
         self.assertEqual(answer["outputs"][0]["noise"], 1e-4)
         self.assertEqual(len(answer["times"]), 2)
         self.assertEqual(answer["lengths"][-1]["duration"], 0.3)
-        answer = self.designed("--set", "v(0)=10 cm/s..20 cm/s")
+        answer = self.designed("--set", "v0=10 cm/s..20 cm/s", "--release", "v@0")
         self.assertTrue(0.1 <= answer["captures"][0]["release"]["v(0)"] <= 0.2)
 
     def test_the_answer_is_written_to_a_file_too(self):
