@@ -38,10 +38,7 @@ void check_request(const ComparisonRequest& request) {
         fmt::format("{} models or codebooks for {} configs; one for all, or one for each, was expected",
                     request.sources.size(), request.configs.size()));
   }
-  if (request.resampling.replicates < 2) {
-    throw ArgumentError(fmt::format("replicates is {}; 2 samples of clusters or more were expected",
-                                    request.resampling.replicates));
-  }
+  check_resampling(request.resampling);
   for (const auto& [name, time] : {std::pair{"span", request.span}, {"ahead", request.ahead}}) {
     if (time && !(*time > 0.0 && std::isfinite(*time)))
       throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", name, *time));

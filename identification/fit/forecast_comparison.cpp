@@ -226,14 +226,18 @@ std::optional<ComparedQuantity> compare_quantity(std::span<const ForecastsOfMode
 
 }  // namespace
 
+void check_resampling(const ResamplingOptions& options) {
+  constexpr int kFewest = 2, kMost = 1'000'000;  // whose errors have three digits
+  if (options.replicates >= kFewest && options.replicates <= kMost) return;
+  throw ArgumentError(fmt::format("replicates is {}; {} to {} samples of clusters were expected",
+                                  options.replicates, kFewest, kMost));
+}
+
 std::vector<ComparedQuantity> compare_forecasts(std::span<const ForecastsOfModel> models,
                                                 const ClusterOfCapture& clusters,
                                                 const ResamplingOptions& options) {
   if (models.empty()) throw ArgumentError("there is no model to compare; one or more were expected");
-  if (options.replicates < 2) {
-    throw ArgumentError(
-        fmt::format("replicates is {}; 2 samples of clusters or more were expected", options.replicates));
-  }
+  check_resampling(options);
   std::vector<std::string> seen;
   std::vector<ComparedQuantity> compared;
   for (const ForecastError& e : models.front().errors) {

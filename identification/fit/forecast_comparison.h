@@ -71,8 +71,11 @@ struct ResamplingOptions {
   std::uint64_t seed = 1;
 };
 
+/// @throws ArgumentError for fewer than 2 replicates, or more than a million
+void check_resampling(const ResamplingOptions& options);
+
 /// A quantity that no forecast is common for is left out.
-/// @throws ArgumentError without a model, for fewer than 2 replicates, and for a capture without a cluster
+/// @throws ArgumentError without a model, for a number of replicates that is refused, and for a capture without a cluster
 std::vector<ComparedQuantity> compare_forecasts(std::span<const ForecastsOfModel> models,
                                                 const ClusterOfCapture& clusters,
                                                 const ResamplingOptions& options = {});

@@ -113,6 +113,7 @@ class Comparisons(Case):
         refused(3, "`ahead` in [prediction]", silent, "--model", "vertical_fall", *rest)
         refused(2, "ahead is -1 s", self.right, "--model", "vertical_fall", *rest, "--ahead", "-1")
         refused(2, "replicates is 1", self.right, "--model", "vertical_fall", *rest, "--replicates", "1")
+        refused(2, "replicates is 2000000000; 2 to 1000000", self.right, "--model", "vertical_fall", *rest, "--replicates", "2000000000")
         refused(2, "which it would overwrite", self.right, "--model", "vertical_fall", *rest, "-o", self.right)
 
 
