@@ -75,8 +75,14 @@ std::string escaped_for_markup(std::string_view text) {
       case '"':
         result += "&quot;";
         break;
-      default:
+      case '\t':
+      case '\n':
+      case '\r':
         result += c;
+        break;
+      default:
+        // No markup may hold other control characters, escaped or not.
+        result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
     }
   }
   return result;

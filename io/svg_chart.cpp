@@ -18,6 +18,11 @@ constexpr double kLeft = 78.0, kRight = 22.0, kBottom = 58.0, kLine = 20.0;
 /// Of Okabe and Ito, Color Universal Design (2008), the darker ones first: told apart also by those who see fewer colours.
 constexpr std::array kPalette = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"};
 
+/// Room for the range of an axis and its margins.
+bool can_be_drawn(double value) {
+  return std::abs(value) <= 1e300;
+}
+
 const char* colour_of(const SvgSeries& series) {
   return kPalette[static_cast<std::size_t>(series.colour) % kPalette.size()];
 }
@@ -75,7 +80,7 @@ SvgScale scale_of(const SvgPanel& panel, bool of_y) {
   const bool is_log = of_y && panel.has_log_y;
   double lower = INFINITY, upper = -INFINITY;
   const auto take = [&](double value) {
-    if (!std::isfinite(value) || (is_log && value <= 0.0)) return;
+    if (!can_be_drawn(value) || (is_log && value <= 0.0)) return;
     lower = std::min(lower, value);
     upper = std::max(upper, value);
   };
@@ -188,6 +193,7 @@ class PanelDrawing {
   }
 
   void draw_rule(const SvgRule& rule) {
+    if (!can_be_drawn(rule.at)) return;
     if (rule.is_vertical) {
       add(R"(<path d="M{:.1f} {:.1f}v{:.1f}" stroke="#777" stroke-dasharray="3 3"/>)", right_of(rule.at),
           top_, kHeight);
@@ -198,7 +204,7 @@ class PanelDrawing {
   }
 
   bool is_shown(double x, double y) const {
-    return std::isfinite(x) && std::isfinite(y) && (!panel_.has_log_y || y > 0.0);
+    return can_be_drawn(x) && can_be_drawn(y) && (!panel_.has_log_y || y > 0.0);
   }
 
   void draw_series(const SvgSeries& series) {

@@ -11,7 +11,7 @@ namespace samara::io {
 struct SvgSeries {
   enum class Kind { line, dashes, points };
   std::string name;      ///< in the key; empty: not there
-  Eigen::VectorXd x, y;  ///< NaN: a gap
+  Eigen::VectorXd x, y;  ///< NaN, or beyond 1e300: a gap
   Kind kind = Kind::line;
   int colour = 0;  ///< number of the palette's, from 0, again and again
 };

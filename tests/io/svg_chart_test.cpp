@@ -46,18 +46,22 @@ TEST_CASE("gaps part a line, and are no points") {
 TEST_CASE("what a picture says is text, whatever it holds") {
   SvgPanel panel = panel_of(Eigen::Vector2d(0.0, 1.0), Eigen::Vector2d(0.0, 1.0));
   panel.title = panel.series[0].name = "<script>&\"";
-  const std::string picture = svg_charts("<b>", {panel}, 1);
+  const std::string picture = svg_charts("<b>\x01", {panel}, 1);
+  CHECK(picture.find('\x01') == std::string::npos);  // no XML may hold it
   CHECK(picture.find("<script>") == std::string::npos);
   CHECK(picture.find("&lt;b&gt;") != std::string::npos);
 }
 
 TEST_CASE("panels of nothing, and of one value, have axes") {
-  for (const double value : {0.0, 3.0, -1e-30, std::nan("")}) {
+  for (const double value : {0.0, 3.0, -1e-30, 1e300, 1e308, std::nan("")}) {
     const std::string picture = svg_charts(
         "", {panel_of(Eigen::VectorXd::Constant(2, value), Eigen::VectorXd::Constant(2, value))}, 3);
     CHECK(picture.find("nan") == std::string::npos);
     CHECK(picture.find("inf") == std::string::npos);
   }
+  // The range of the axis is no double.
+  const Eigen::Vector3d far(0.0, 1e308, -1e308);
+  CHECK(svg_charts("", {panel_of(Eigen::Vector3d(0.0, 1.0, 2.0), far)}, 1).find("nan") == std::string::npos);
   // All but the last bit constant, as what is held by a computation.
   for (const double value : {1.0, 9.81, -3e8, 5e-324}) {
     const Eigen::Vector2d nearly(value, std::nextafter(value, 1e9));
