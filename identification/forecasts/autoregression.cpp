@@ -17,9 +17,7 @@ namespace samara::identification {
 namespace {
 
 constexpr double kUnsaid = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kParts = 5;       ///< of the clusters
-constexpr double kFarthestBack = 24.0;  ///< intervals, of places that a correction sees
-constexpr double kLeastSeen = 0.75;     ///< of the way back to these
+constexpr std::size_t kParts = 5;  ///< of the clusters
 constexpr double kPenalties[] = {1.0, 3.0, 10.0, 30.0, 100.0, 1000.0};
 
 /// Speeds and known numbers before they are bounded.
@@ -297,7 +295,7 @@ Autoregression Autoregression::fit(std::span<const TrainingMoment> moments, cons
   if (components.level.size() > 2) return result;
   std::vector<double> ways;
   for (const RecentMotion& recent : recents) ways.push_back(recent.seen_for);
-  result.way_back_ = std::min(median(ways), kFarthestBack);
+  result.way_back_ = way_back(ways);
   std::vector<Steps::Taught> taught;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (recents[k].seen_for < kLeastSeen * result.way_back_) continue;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -111,19 +111,14 @@ Eigen::VectorXd disagreement(std::span<const Eigen::MatrixXd> said) {
 
 namespace {
 
-constexpr double kLeastDisagreement = 1e-12;
-
-/// Of log |error| against log disagreement.
-double slope_of(const std::vector<double>& x, const std::vector<double>& y) {
-  const auto count = static_cast<double>(x.size());
-  const double middle_x = std::accumulate(x.begin(), x.end(), 0.0) / count;
-  const double middle_y = std::accumulate(y.begin(), y.end(), 0.0) / count;
-  double both = 0.0, squares = 0.0;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    both += (x[k] - middle_x) * (y[k] - middle_y);
-    squares += (x[k] - middle_x) * (x[k] - middle_x);
-  }
-  return squares > 0.0 ? both / squares : 0.0;
+/// How much the logarithm of an error's size grows with each sign, in units of its deviation: least squares, as if four
+/// clusters more showed no growth.
+Eigen::VectorXd growth_of(const Eigen::MatrixXd& signs, const Eigen::VectorXd& log_sizes,
+                          std::size_t clusters) {
+  constexpr double kClusters = 4.0;
+  Eigen::MatrixXd normal = signs.transpose() * signs;
+  normal.diagonal().array() += kClusters * static_cast<double>(signs.rows()) / static_cast<double>(clusters);
+  return normal.ldlt().solve(signs.transpose() * (log_sizes.array() - log_sizes.mean()).matrix());
 }
 
 /// Two normals about 0 with the greatest likelihood, by expectation and maximisation.
@@ -170,25 +165,54 @@ double student_widening(double freedom) {
 
 }  // namespace
 
+ErrorDistribution::Sign ErrorDistribution::sign_of(const Eigen::VectorXd& values) {
+  constexpr double kOutside = 0.05;  // on each side
+  std::vector<double> known;
+  std::ranges::copy_if(values, std::back_inserter(known), [](double value) { return !std::isnan(value); });
+  Sign sign;
+  if (known.empty()) return sign;
+  std::ranges::sort(known);
+  const auto outside = static_cast<std::size_t>(kOutside * static_cast<double>(known.size()));
+  sign.lower = known[outside];
+  sign.upper = known[known.size() - 1 - outside];
+  for (double& value : known) value = std::clamp(value, sign.lower, sign.upper);
+  const Eigen::Map<const Eigen::ArrayXd> within(known.data(), std::ssize(known));
+  sign.mean = within.mean();
+  sign.deviation = std::sqrt((within - sign.mean).square().mean());
+  return sign;
+}
+
+Eigen::RowVectorXd ErrorDistribution::standardised(const Eigen::RowVectorXd& signs) const {
+  Eigen::RowVectorXd units = Eigen::RowVectorXd::Zero(std::ssize(signs_));
+  for (Eigen::Index j = 0; j < signs.size(); ++j) {
+    const Sign& sign = signs_[static_cast<std::size_t>(j)];
+    if (std::isnan(signs[j]) || !(sign.deviation > 0.0)) continue;
+    units[j] = (std::clamp(signs[j], sign.lower, sign.upper) - sign.mean) / sign.deviation;
+  }
+  return units;
+}
+
 ErrorDistribution ErrorDistribution::fit(const Eigen::MatrixXd& errors, const Components& components,
-                                         const Eigen::VectorXd& disagreements,
-                                         const std::vector<int>& clusters) {
+                                         const Eigen::MatrixXd& signs, const std::vector<int>& clusters) {
   if (!clusters.empty() && std::ssize(clusters) != errors.rows()) {
     throw ArgumentError(
         fmt::format("{} errors have {} clusters; as many were expected", errors.rows(), clusters.size()));
   }
-  if (disagreements.size() > 0 && disagreements.size() != errors.rows()) {
-    throw ArgumentError(fmt::format("{} errors have {} disagreements; as many were expected", errors.rows(),
-                                    disagreements.size()));
+  if (signs.cols() > 0 && signs.rows() != errors.rows()) {
+    throw ArgumentError(
+        fmt::format("{} errors have {} rows of signs; as many were expected", errors.rows(), signs.rows()));
   }
   std::vector<Eigen::Index> rows;
   for (Eigen::Index row = 0; row < errors.rows(); ++row) {
-    const bool has_disagreement = disagreements.size() == 0 || std::isfinite(disagreements[row]);
-    if (errors.row(row).allFinite() && has_disagreement) rows.push_back(row);
+    if (errors.row(row).allFinite()) rows.push_back(row);
   }
   ErrorDistribution result;
   constexpr std::size_t kFewest = 3;
   if (rows.size() < kFewest) return result;
+  Eigen::MatrixXd units(std::ssize(rows), signs.cols());
+  for (Eigen::Index j = 0; j < signs.cols(); ++j) result.signs_.push_back(sign_of(signs(rows, j)));
+  for (std::size_t k = 0; k < rows.size() && signs.cols() > 0; ++k)
+    units.row(static_cast<Eigen::Index>(k)) = result.standardised(signs.row(rows[k]));
   std::set<int> of_these;
   for (const Eigen::Index row : rows)
     of_these.insert(clusters.empty() ? static_cast<int>(row) : clusters[static_cast<std::size_t>(row)]);
@@ -206,23 +230,17 @@ ErrorDistribution ErrorDistribution::fit(const Eigen::MatrixXd& errors, const Co
     const Eigen::MatrixXd own = errors(rows, columns);
     const bool is_level = !components.level.empty() && g == 0;
     if (!is_level) kind.mean = own.mean();
-    std::vector<double> scales(rows.size(), 1.0);
-    if (disagreements.size() > 0) {
-      std::vector<double> x, y;
-      for (std::size_t k = 0; k < rows.size(); ++k) {
-        const auto row = static_cast<Eigen::Index>(k);
-        const double size = std::sqrt((own.row(row).array() - kind.mean).square().mean());
-        x.push_back(std::log(std::max(disagreements[rows[k]], kLeastDisagreement)));
-        y.push_back(std::log(std::max(size, kLeastDisagreement)));
-      }
-      kind.power = std::clamp(slope_of(x, y), 0.0, 1.0);
-      kind.middle = std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
-      for (std::size_t k = 0; k < x.size(); ++k) scales[k] = std::exp(kind.power * (x[k] - kind.middle));
-    }
+    // Errors that happen to be next to none would outweigh all others.
+    constexpr double kLeastPart = 0.01;
+    const Eigen::ArrayXd squares = (own.array() - kind.mean).square().rowwise().mean();
+    const double least = std::max(kLeastPart * std::sqrt(squares.mean()), std::numeric_limits<double>::min());
+    kind.growth = growth_of(units, squares.sqrt().max(least).log(), of_these.size());
+    const Eigen::VectorXd scales = (units * kind.growth).array().exp();
     std::vector<double> all;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       for (Eigen::Index c = 0; c < own.cols(); ++c)
-        all.push_back((own(static_cast<Eigen::Index>(k), c) - kind.mean) / scales[k]);
+        all.push_back((own(static_cast<Eigen::Index>(k), c) - kind.mean) /
+                      scales[static_cast<Eigen::Index>(k)]);
     }
     fit_two_normals(all, kind.weights, kind.deviations);
     kind.deviations *= student_widening(static_cast<double>(of_these.size()) - 1.0);
@@ -231,16 +249,18 @@ ErrorDistribution ErrorDistribution::fit(const Eigen::MatrixXd& errors, const Co
   return result;
 }
 
-NormalMixture ErrorDistribution::around(Eigen::Index component, double predicted, double disagreement) const {
+NormalMixture ErrorDistribution::around(Eigen::Index component, double predicted,
+                                        const Eigen::RowVectorXd& signs) const {
   if (component < 0 || component >= std::ssize(kind_of_)) {
     throw ArgumentError(
         fmt::format("component {} of an error distribution of {} components", component, kind_of_.size()));
   }
+  if (signs.size() > 0 && signs.size() != std::ssize(signs_)) {
+    throw ArgumentError(fmt::format("{} signs, where the training had {}", signs.size(), signs_.size()));
+  }
   const Kind& kind = kinds_[kind_of_[static_cast<std::size_t>(component)]];
-  const double scale =
-      std::exp(kind.power * (std::log(std::max(disagreement, kLeastDisagreement)) - kind.middle));
-  return {kind.weights, Eigen::VectorXd::Constant(2, predicted + kind.mean),
-          (kind.power > 0.0 ? scale : 1.0) * kind.deviations};
+  const double scale = std::exp(standardised(signs).dot(kind.growth));
+  return {kind.weights, Eigen::VectorXd::Constant(2, predicted + kind.mean), scale * kind.deviations};
 }
 
 }  // namespace samara::identification

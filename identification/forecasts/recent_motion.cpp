@@ -61,6 +61,11 @@ std::optional<RecentMotion> recent_motion(const SeenMotion& seen) {
   return recent;
 }
 
+double way_back(const std::vector<double>& seen_for) {
+  constexpr double kFarthest = 24.0;
+  return std::min(median(seen_for), kFarthest);
+}
+
 Eigen::MatrixXd places_back(const SeenMotion& seen, const Eigen::VectorXd& intervals) {
   const std::vector<Eigen::Index> frames = complete_frames(seen);
   Eigen::MatrixXd places = Eigen::MatrixXd::Constant(intervals.size(), seen.positions.cols(), kUnseen);

@@ -37,6 +37,12 @@ struct RecentMotion {
 /// the first one as they were first seen.
 std::optional<RecentMotion> recent_motion(const SeenMotion& seen);
 
+/// How far back motions are compared with each other, in intervals: the median of what those of the training were seen
+/// for, 24 at most.
+double way_back(const std::vector<double>& seen_for);
+/// A motion that was seen for less than this part of the way back is not compared.
+inline constexpr double kLeastSeen = 0.75;
+
 /// Displacements some intervals back, a row each, by the same rules.
 Eigen::MatrixXd places_back(const SeenMotion& seen, const Eigen::VectorXd& intervals);
 

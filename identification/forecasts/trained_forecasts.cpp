@@ -52,14 +52,25 @@ Eigen::VectorXd disagreement_of(const std::vector<Eigen::MatrixXd>& said) {
   return disagreement(compared);
 }
 
+constexpr double kLeastFeature = 1e-9;
+
 /// Speed and acceleration in one frame, and how far predictors lie apart, as logarithms.
 Eigen::RowVectorXd features_of(const SeenMotion& seen, double disagreement) {
-  constexpr double kLeast = 1e-9;
   const Eigen::MatrixXd rates = recent_rates(seen);
   Eigen::RowVectorXd features(3);
   features << rates.row(0).norm(), rates.row(1).norm(), disagreement;
-  features = (features.array() + kLeast).log();
+  features = (features.array() + kLeastFeature).log();
   return features.array().isNaN().select(0.0, features);
+}
+
+/// Of how large errors are (ErrorDistribution), as logarithms: speed, novelty, and how far predictors lie apart, which
+/// the mixture alone knows.
+/// @param disagreement unknown where 0: fewer than two predictors speak
+Eigen::RowVectorXd signs_of(const SeenMotion& seen, double novelty, double disagreement) {
+  Eigen::RowVectorXd signs(3);
+  signs << std::log(recent_rates(seen).row(0).norm() + kLeastFeature), std::log(novelty + kLeastFeature),
+      disagreement > 0.0 ? std::log(disagreement) : kSilence;
+  return signs;
 }
 
 /// One row of what some predictors say, by shares; those that are silent leave theirs to the others.
@@ -154,12 +165,11 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> all_moment
     result.shortest_way_ = std::min(result.shortest_way_, way_of(one));
   }
   Eigen::MatrixXd measured(std::ssize(moments), said.front().cols());
-  std::vector<int> of_all, of_asked;  // clusters
+  std::vector<int> of_all;  // clusters
   for (const Eigen::Index row : all) {
     const AskedMoment& one = moments[static_cast<std::size_t>(row)];
     measured.row(row) = one.moment.next;
     of_all.push_back(one.moment.cluster);
-    if (one.model.size() > 0) of_asked.push_back(one.moment.cluster);
   }
   result.of_baselines_ = shares_of(baselines_of(said), measured, all);
   result.mixed_ = speakers(said, asked);
@@ -181,21 +191,33 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> all_moment
   Eigen::MatrixXd rows(std::ssize(features), 3);
   for (std::size_t k = 0; k < features.size(); ++k) rows.row(static_cast<Eigen::Index>(k)) = features[k];
   result.shares_ = LocalShares::fit(errors, rows, clusters);
-  const auto add_errors = [&](const Eigen::MatrixXd& one) {
-    result.errors_.push_back(ErrorDistribution::fit(measured - one, components, {}, of_all));
-  };
-  for (std::size_t m = 0; m + 1 < said.size(); ++m) add_errors(said[m]);
-  add_errors(weighted(baselines_of(said), result.of_baselines_));
-  add_errors(said.back());
-  Eigen::MatrixXd of_mixture = Eigen::MatrixXd::Constant(std::ssize(asked), measured.cols(), kSilence);
-  for (std::size_t k = 0; k < asked.size() && result.shares_.of_all().size() > 0; ++k) {
-    const TrainingMoment& moment = moments[static_cast<std::size_t>(asked[k])].moment;
+  std::vector<TrainingMoment> seen;
+  for (const AskedMoment& one : moments) seen.push_back(one.moment);
+  result.novelty_ = Novelty::fit(seen, components);
+  Eigen::MatrixXd of_one = Eigen::MatrixXd::Constant(std::ssize(all), 3, kSilence), of_mixed = of_one;
+  Eigen::MatrixXd of_mixture = Eigen::MatrixXd::Constant(std::ssize(all), measured.cols(), kSilence);
+  // Where the model has little to say, the mixture says without it what it would say with it.
+  constexpr double kLittle = 0.1;
+  const bool has_model = !result.mixed_.empty() && result.mixed_.front() == 0;
+  const bool counts_without = result.is_mixed() && (!has_model || result.shares_.of_all()[0] < kLittle);
+  for (const Eigen::Index row : all) {
+    const TrainingMoment& one = seen[static_cast<std::size_t>(row)];
+    const double novelty = result.novelty_.without(one.cluster, one.seen);
+    of_one.row(row) = signs_of(one.seen, novelty, kSilence);
+    of_mixed.row(row) = signs_of(one.seen, novelty, disagreements[row]);
+    if (!result.is_mixed() || (moments[static_cast<std::size_t>(row)].model.size() == 0 && !counts_without))
+      continue;
     const Eigen::VectorXd shares =
-        result.shares_.without(moment.cluster, features_of(moment.seen, disagreements[asked[k]]));
-    of_mixture.row(static_cast<Eigen::Index>(k)) =
-        measured.row(asked[k]) - mixed(said, result.mixed_, shares, asked[k]);
+        result.shares_.without(one.cluster, features_of(one.seen, disagreements[row]));
+    of_mixture.row(row) = measured.row(row) - mixed(said, result.mixed_, shares, row);
   }
-  result.errors_.push_back(ErrorDistribution::fit(of_mixture, components, disagreements(asked), of_asked));
+  const auto add_errors = [&](const Eigen::MatrixXd& missed, const Eigen::MatrixXd& signs) {
+    result.errors_.push_back(ErrorDistribution::fit(missed, components, signs, of_all));
+  };
+  for (std::size_t m = 0; m + 1 < said.size(); ++m) add_errors(measured - said[m], of_one);
+  add_errors(measured - weighted(baselines_of(said), result.of_baselines_), of_one);
+  add_errors(measured - said.back(), of_one);
+  add_errors(of_mixture, of_mixed);
   return result;
 }
 
@@ -208,24 +230,27 @@ std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked,
   std::vector<Eigen::MatrixXd> said = said_by_baselines(std::span(&asked, 1));
   said.back().row(0) = autoregression;
   std::vector<SaidForecast> forecasts;
-  const auto add = [&](std::string predictor, const Eigen::RowVectorXd& mean, double disagreement) {
+  const double novelty = novelty_.at(asked.moment.seen);
+  const Eigen::RowVectorXd of_one = signs_of(asked.moment.seen, novelty, kSilence);
+  const auto add = [&](std::string predictor, const Eigen::RowVectorXd& mean,
+                       const Eigen::RowVectorXd& signs) {
     const ErrorDistribution& errors = errors_[forecasts.size()];
     SaidForecast forecast{.predictor = std::move(predictor), .mean = mean};
     if (mean.allFinite() && errors.is_fitted()) {
       for (Eigen::Index c = 0; c < mean.size(); ++c)
-        forecast.parts.push_back(errors.around(c, mean[c], disagreement));
+        forecast.parts.push_back(errors.around(c, mean[c], signs));
     }
     forecasts.push_back(std::move(forecast));
   };
-  add("model", said.front().row(0), 1.0);
+  add("model", said.front().row(0), of_one);
   for (std::size_t b = 0; b < all_baselines().size(); ++b)
-    add(to_string(all_baselines()[b]), said[b + 1].row(0), 1.0);
+    add(to_string(all_baselines()[b]), said[b + 1].row(0), of_one);
   const std::vector<Eigen::MatrixXd> heard = heard_by_mixtures(asked, said);
   const Eigen::RowVectorXd of_baselines = weighted(baselines_of(heard), of_baselines_).row(0);
   // Where none is as sure as in training, they are all that there is.
   add(kMixtureOfBaselines,
-      of_baselines.allFinite() ? of_baselines : weighted(baselines_of(said), of_baselines_).row(0), 1.0);
-  add(kAutoregression, said.back().row(0), 1.0);
+      of_baselines.allFinite() ? of_baselines : weighted(baselines_of(said), of_baselines_).row(0), of_one);
+  add(kAutoregression, said.back().row(0), of_one);
   const double disagreement = disagreement_of(said)[0];
   const Eigen::VectorXd shares = shares_.at(features_of(asked.moment.seen, disagreement));
   Eigen::RowVectorXd mixture = silent(said.front().cols());
@@ -235,7 +260,7 @@ std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked,
     if (!mixture.allFinite()) mixture = mixed(heard, mixed_, alike, 0);
     if (!mixture.allFinite()) mixture = mixed(said, mixed_, shares, 0);
   }
-  add(kMixture, mixture, disagreement);
+  add(kMixture, mixture, signs_of(asked.moment.seen, novelty, disagreement));
   return forecasts;
 }
 

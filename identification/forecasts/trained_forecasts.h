@@ -9,6 +9,7 @@
 #include "samara/identification/forecasts/autoregression.h"
 #include "samara/identification/forecasts/forecast_mixture.h"
 #include "samara/identification/forecasts/local_shares.h"
+#include "samara/identification/forecasts/novelty.h"
 
 /// Every predictor of a motion at one horizon as a distribution: what it says, and the errors that it showed on
 /// training motions.
@@ -16,8 +17,9 @@
 /// Predictors are the model, the plain baselines (baseline_scores.h), the "mixture of baselines" (shares of
 /// convex_shares()), the "autoregression" of training motions, and the "mixture" of model, autoregression and
 /// baselines, with shares that vary with speed, acceleration and disagreement of predictors where that helps
-/// (local_shares.h). All shares and weights come from training moments. The mixture's errors grow with the disagreement
-/// of predictors, those of the others do not.
+/// (local_shares.h). All shares and weights come from training moments. Errors of all vary with the speed and the
+/// novelty of the motion (novelty.h), those of the mixture with the disagreement of predictors, too. They come from all
+/// moments in which a predictor speaks; of the mixture, from those without a model only where its share is below a tenth.
 ///
 /// What training moments taught of a baseline holds for moments in which it is about as sure: where the noise of frames
 /// grows more than twice as much on the way (noise_gain()) as in any training moment, since fewer frames were seen or
@@ -86,8 +88,9 @@ class TrainedForecasts {
   std::vector<double> gains_ = {};                 ///< the largest noise_gain() of each baseline in training
   double shortest_way_ = 0.0, longest_way_ = 0.0;  ///< s, from the last frame seen to what was asked
   Eigen::VectorXd of_baselines_ = {};              ///< shares in their mixture
-  std::vector<std::size_t> mixed_ = {};         ///< of model, baselines, autoregression: those in the mixture
-  LocalShares shares_ = {};                     ///< of these
+  std::vector<std::size_t> mixed_ = {};  ///< of model, baselines, autoregression: those in the mixture
+  LocalShares shares_ = {};              ///< of these
+  Novelty novelty_ = {};
   std::vector<ErrorDistribution> errors_ = {};  ///< in the order of say()
 };
 
