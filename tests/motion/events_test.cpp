@@ -1,4 +1,6 @@
 // Events: where they lie, of which kind the segments between them are, and what is left of a state without symmetries.
+#include <algorithm>
+
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
@@ -226,7 +228,9 @@ std::vector<std::vector<double>> seen_in_packs(const Run& run, std::size_t width
   for (std::size_t k = 0; k + lanes < run.times.size(); ++k) {
     for (std::size_t pack = 0; pack < packs; ++pack) {
       for (std::size_t slot = 0; slot < width; ++slot) {
-        const std::size_t lane = pack * width + slot, at = k + (lane == copied && k > from ? 0 : lane);
+        const std::size_t lane = pack * width + slot, ahead = lane == copied && k > from ? 0 : lane;
+        const std::size_t at =
+            std::min(k + ahead, run.times.size() - 1);  // lanes that there are not see the last
         times[slot] = run.times[at];
         for (std::size_t i = 0; i < states; ++i) rows[i * width + slot] = column(at)[i];
       }
