@@ -61,7 +61,8 @@ std::map<std::string, models::Interval> boxes_of(const DesignArguments& argument
 }
 
 std::vector<std::string> full_names(std::vector<std::string> names, const models::FamilyInfo& family) {
-  for (std::string& name : names) name = full_name(name, models::names_of(family.coordinates));
+  const std::vector<std::string> known = models::names_of(family.coordinates);
+  for (std::string& name : names) name = full_name(name, known);
   return names;
 }
 
