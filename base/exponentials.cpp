@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kAtOnce = 8;
 
-/// exp(r), |r| <= ln(2)/2: Taylor's series, even and odd powers apart, as two chains of products that do not wait for each
-/// other. What is left out is 4e-18.
+/// exp(r), |r| <= ln(2)/2: Taylor's series, even and odd powers apart, as two chains of products that do not wait for
+/// each other. What is left out is 4e-18.
 double exponential_near_zero(double r) {
   constexpr double kOver[] = {1.0 / 2.0,       1.0 / 6.0,        1.0 / 24.0,        1.0 / 120.0,
                               1.0 / 720.0,     1.0 / 5040.0,     1.0 / 40320.0,     1.0 / 362880.0,

@@ -7,8 +7,9 @@
 
 #include "samara/base/logarithm.h"
 
-/// Normal numbers in loops that the compiler makes SIMD code of: no branches, no calls. Each lane does the same
-/// operations whatever the machine, so that the bits do not depend on the width, nor on whether one is asked for or many.
+/// Normal numbers in loops that the compiler makes SIMD code of: no branches, no calls. Each lane
+/// does the same operations whatever the machine, so that the bits do not depend on the width, nor
+/// on whether one is asked for or many.
 namespace samara {
 
 namespace {

@@ -5,7 +5,7 @@
 /// How numbers go from one value to another without a jump of their rate.
 namespace samara {
 
-/// 3 s^2 - 2 s^3 within [0, 1], 0 before and 1 behind it.
+/// 3 s^2 - 2 s^3 within [0, 1], 0 before and 1 after it.
 inline double smoothstep(double s) {
   const double inside = std::clamp(s, 0.0, 1.0);
   return inside * inside * (3.0 - 2.0 * inside);

@@ -30,11 +30,11 @@ struct AnimatedScene {
   std::map<std::string, double> parameters = {};                ///< of the motion, SI
 };
 
-/// The bytes of a .glb file: y up, as glTF has it (x stays, z becomes y), single floats, times from the first key on. Keys
-/// that no single float tells apart become one. Notes and parameters stand in `extras` of the scene, and `start`, the time
-/// of a body's first key, in those of its node.
-/// @throws ArgumentError if there is no body, triangle or corner, sizes do not match, a corner has no such number, times
-/// do not increase, a quaternion is not of length one, or a number is not finite as a single float.
+/// The bytes of a .glb file: y up, as glTF has it (x stays, z becomes y), single floats, times from the first key on.
+/// Keys that no single float tells apart become one. Notes and parameters stand in `extras` of the scene, and
+/// `start`, the time of a body's first key, in those of its node.
+/// @throws ArgumentError if there is no body, triangle or corner, sizes do not match, a corner has no such number,
+/// times do not increase, a quaternion is not of length one, or a number is not finite as a single float.
 std::string format_glb(const AnimatedScene& scene);
 
 /// The text of a .usda file: z up, in double precision, 24 time codes a second.

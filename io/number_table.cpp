@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Index;
 
-/// The offset behind the header: the first line that is neither blank nor a comment.
+/// The offset after the header: the first line that is neither blank nor a comment.
 std::size_t behind_header(std::string_view text) {
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kWidth = 400.0, kHeight = 250.0;  ///< of a frame
 constexpr double kLeft = 78.0, kRight = 22.0, kBottom = 58.0, kLine = 20.0;
-/// Of Okabe and Ito, Color Universal Design (2008), the darker ones first: told apart also by those who see fewer colours.
+/// Of Okabe and Ito, Color Universal Design (2008), the darker ones first: told apart also by those who see fewer
+/// colours.
 constexpr std::array kPalette = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"};
 
 /// Room for the range of an axis and its margins.

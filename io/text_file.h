@@ -11,7 +11,7 @@ namespace samara::io {
 /// What a file may ask of its reader.
 struct TextLimits {
   std::size_t bytes = std::size_t{256} << 20;
-  /// How long a pipe or terminal may keep silent [s].
+  /// How long a pipe or terminal may send nothing [s].
   double silence = 60.0;
   /// What the file should be: "a plan". Where it is said, a file that has a binary_kind() is refused by that.
   std::string expected = "";
@@ -24,7 +24,7 @@ std::string binary_kind(std::string_view beginning);
 /// The whole content of a file. Pipes (`/dev/stdin`, `<(program)`) and devices are read to their end, which
 /// must come within the limits.
 /// @throws InputError naming the path if it does not exist, is a directory, cannot be read, has a binary_kind(), is
-/// larger than `limits.bytes`, or keeps silent for longer than `limits.silence`.
+/// larger than `limits.bytes`, or sends nothing for longer than `limits.silence`.
 std::string read_text_file(const std::filesystem::path& path, const TextLimits& limits = {});
 
 }  // namespace samara::io

@@ -12,11 +12,11 @@ struct TomlChange {
   std::string value;  ///< as TOML; empty: the key goes
 };
 
-/// The text with the changes, one after the other, and everything else as it stands: comments, order, lines. A table that is
-/// missing is added at the end.
+/// The text with the changes, one after the other, and everything else as it stands: comments, order, lines. A table
+/// that is missing is added at the end.
 /// @param name stands for the file in messages
-/// @throws InputError if the text is no TOML; ArgumentError for a key that does not stand alone on lines of its own, as in
-/// `fixed = { a = 1 }`, which cannot be changed so
+/// @throws InputError if the text is no TOML; ArgumentError for a key that does not stand alone on lines of its own,
+/// as in `fixed = { a = 1 }`, which cannot be changed so
 std::string changed_toml(const std::string& text, const std::string& name,
                          const std::vector<TomlChange>& changes);
 

@@ -6,13 +6,14 @@
 #include <Eigen/Core>
 
 /// Writing of fields on meshes for ParaView and other readers of VTK's XML formats, with numbers as text that reads
-/// back to the same bits. Reference: VTK File Formats, Kitware, https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
+/// back to the same bits. Reference: VTK File Formats, Kitware,
+/// https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 namespace samara::io {
 
 struct VtkGrid {
   Eigen::MatrixXd points;  ///< 1 to 3 directions x nodes; those that are missing are zero
-  Eigen::MatrixXi
-      cells;  ///< corners x cells: lines (2), triangles (3) or tetrahedra (4), by numbers of nodes
+  /// Corners x cells: lines (2), triangles (3) or tetrahedra (4), by numbers of nodes.
+  Eigen::MatrixXi cells;
 };
 
 /// One number per node.

@@ -7,9 +7,10 @@
 
 #include "allocation_count.h"
 
-/// Counts calls of the allocator, and what it gives: malloc and its relatives are defined here, for the whole program with its
-/// shared libraries, on top of those of the GNU C library. To be included in one source file of a program. Sanitizers
-/// define malloc themselves, and start after the first calls of it: with one nothing is counted, and all counts are 0.
+/// Counts calls of the allocator, and what it gives: malloc and its relatives are defined here, for the
+/// whole program with its shared libraries, on top of those of the GNU C library. To be included in one
+/// source file of a program. Sanitizers define malloc themselves, and start after the first calls of it:
+/// with one nothing is counted, and all counts are 0.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
 namespace allocation_counter {

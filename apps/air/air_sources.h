@@ -19,7 +19,8 @@ struct NamedAir {
 /// Whether the call says what fluid it is.
 bool has_air(const SimulateArguments& arguments);
 
-/// @param model of the body: its viscosity is that of the fluid, where it has one, and a wind is averaged over its outline
+/// @param model of the body: its viscosity is that of the fluid, where it has one, and a wind is averaged over its
+/// outline
 /// @param body_radius [m] over which the body averages the fluid that it sees
 /// @throws ArgumentError for words that do not make a flow; InputError for a bad file of a wind or a flow.
 NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,

@@ -45,8 +45,8 @@ io::AnimatedBody flight(const std::string& name, const Eigen::VectorXd& times, c
   return body;
 }
 
-/// A quarter of how far keys are from what their neighbours say of them: where motions are smooth, so far are they from the
-/// straight line and the even turn between two keys.
+/// A quarter of how far keys are from what their neighbours say of them: where motions are smooth, so far are they
+/// from the straight line and the even turn between two keys.
 struct Coarseness {
   double angle = 0.0, distance = 0.0;  ///< rad, and the unit of lengths
 };

@@ -166,8 +166,8 @@ void warn_of_steps(const models::Ensemble& cloud, double step) {
   }
 }
 
-/// All that the flights depend on: those of a checkpoint by other words are not taken up. Empty where that cannot be said,
-/// because a file is a pipe.
+/// All that the flights depend on: those of a checkpoint by other words are not taken up. Empty where that
+/// cannot be said, because a file is a pipe.
 std::string call_of(const SimulateArguments& arguments, const models::ParametricModel& model,
                     const Eigen::VectorXd& times, const models::RealiseOptions& options, std::uint64_t seed,
                     double radius, const std::string& air) {
@@ -195,8 +195,8 @@ std::string call_of(const SimulateArguments& arguments, const models::Parametric
   return text;
 }
 
-/// Flies them in parts, and keeps what is done beside the output, so that the same call goes on after an end that was not
-/// its own.
+/// Flies them in parts, and keeps what is done beside the output, so that the same call goes on after an end that was
+/// not its own.
 models::Ensemble fly(const std::string& output, const std::string& call, const models::ParametricModel& model,
                      const models::AirSource& air, std::span<const double> times,
                      const models::RealiseOptions& options) {

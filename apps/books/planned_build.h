@@ -8,7 +8,7 @@
 
 namespace samara::apps {
 
-/// What was typed behind `samara build`.
+/// What was typed after `samara build`.
 struct BuildArguments {
   std::string plan;
   std::string output;  ///< empty: only with dry_run

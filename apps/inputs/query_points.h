@@ -23,8 +23,8 @@ struct QueryPoints {
   /// Of --points: every coordinate may differ from row to row; else only time does.
   std::optional<io::NumberTable> table;
   Eigen::Index times = 1;  ///< points that follow from a row of the table
-  std::vector<Eigen::Index>
-      columns;  ///< by coordinate: its column, where that is in SI and was not clamped; else -1
+  /// By coordinate: its column, where that is in SI and was not clamped; else -1.
+  std::vector<Eigen::Index> columns;
 
   /// The coordinates of a point as cells, with commas between: as they stand in the table where they do.
   /// @param cells scratch space, kept from point to point
@@ -32,7 +32,8 @@ struct QueryPoints {
 };
 
 /// Those of --set, --at, --frames and --points; with --clamp inside the box.
-/// @throws ArgumentError, InputError for what is missing, unknown or said twice; OutsideBoxError naming the line of a table
+/// @throws ArgumentError, InputError for what is missing, unknown or said twice; OutsideBoxError naming the line of a
+/// table
 QueryPoints points_of(const codebooks::Codebook& book, const QueryArguments& arguments);
 
 }  // namespace samara::apps

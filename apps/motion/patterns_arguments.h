@@ -7,7 +7,7 @@
 
 namespace samara::apps {
 
-/// What was typed behind `samara patterns`.
+/// What was typed after `samara patterns`.
 struct PatternsArguments {
   std::vector<std::string> inputs;   ///< a sweep, or captures
   std::string sidecar;               ///< of every table; empty: those beside them
@@ -19,8 +19,8 @@ struct PatternsArguments {
   std::vector<std::string> thresholds;
   std::string report;  ///< page to write; empty: none
   int clusters = 4;
-  std::string draw,
-      clamp;  ///< of a sweep: the pattern that points are to lead to; empty: a report is asked for
+  /// Of a sweep: the pattern that points are to lead to; empty: a report is asked for.
+  std::string draw, clamp;
   std::optional<long> count, release;
   std::optional<std::uint64_t> seed;
   std::string output;

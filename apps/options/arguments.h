@@ -16,8 +16,8 @@ struct BodyWords {
   std::string unit;  ///< of the file
   std::string density;
   std::string fluid;
-  std::string
-      added_mass;  ///< "panels" or "ellipsoid"; empty: by panels of a mesh, of the ellipsoid of a shape
+  /// "panels" or "ellipsoid"; empty: by panels of a mesh, of the ellipsoid of a shape.
+  std::string added_mass;
 };
 
 /// Many realisations of one motion in a random flow.

@@ -44,7 +44,8 @@ std::string single_quoted(std::string text) {
   return "'" + text + "'";
 }
 
-/// Those of its options that take a value, as the pattern of a `case`; with that value one of a list, or without a list.
+/// Those of its options that take a value, as the pattern of a `case`; with that value one of a list, or without a
+/// list.
 std::vector<std::string> names_taking_values(const CommandWords& command) {
   std::vector<std::string> names;
   for (const OptionWords& option : command.options) {
@@ -55,7 +56,8 @@ std::vector<std::string> names_taking_values(const CommandWords& command) {
   return names;
 }
 
-/// The branches of `case "$command/$previous"` that bash and zsh have in common. `samara_words` takes the words to offer.
+/// The branches of `case "$command/$previous"` that bash and zsh have in common. `samara_words` takes the words to
+/// offer.
 std::string value_branches(const std::vector<CommandWords>& tree) {
   std::string text;
   for (const CommandWords& command : tree) {

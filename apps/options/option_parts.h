@@ -30,7 +30,7 @@ inline constexpr const char* kJson = "print one JSON object";
 inline constexpr const char* kBody = "ellipsoid, disc or plate, with --size; or a mesh: OBJ, STL, PLY";
 
 /// "2.5" and "1e3" are no whole numbers, and digits beyond the type are too large: in words, where the parser
-/// would only say that it could not convert, or take the largest number in silence.
+/// would only say that it could not convert, or take the largest number without a word.
 template <class T = int>
 CLI::Validator whole_number() {
   return CLI::Validator(

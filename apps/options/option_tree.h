@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-/// All commands with their options, as plain words: for the help, the completion of shells, the manual pages and programs
-/// that call the command.
+/// All commands with their options, as plain words: for the help, the completion of shells, the manual
+/// pages and programs that call the command.
 namespace CLI {
 class App;
 class Option;

@@ -115,7 +115,7 @@ std::vector<std::string> with_rows_taken_apart(const CLI::App& app, const std::v
       }
       continue;
     }
-    // Inputs stand before the row, or behind a "--" that ends it.
+    // Inputs stand before the row, or after a "--" that ends it.
     const auto behind = words.begin() + static_cast<std::ptrdiff_t>(k);
     const bool takes_files = after_inputs || std::find(behind, words.end(), "--") != words.end();
     // The first value may begin with a sign that is no number's; the parser says what it thinks of it.

@@ -23,7 +23,7 @@ const CLI::App& called(const CLI::App& app) {
   return commands.empty() ? app : *commands.front();
 }
 
-/// The text before and behind the first `mark`; all of it before where there is none.
+/// The text before and after the first `mark`; all of it before where there is none.
 std::pair<std::string, std::string> parted(const std::string& text, const std::string& mark) {
   const std::size_t at = text.find(mark);
   if (at == std::string::npos) return {text, ""};

@@ -36,15 +36,15 @@ models::PoseStates animated_states(const models::ModelInfo& info);
 models::TriangleMesh animated_body(const ShownWords& words, const models::ParametricModel& model,
                                    std::span<const double> q);
 
-/// Keys are within 0.4 degrees and 8e-4 of the body's size of the motion. One that ends early is written to its end, with
-/// a warning.
+/// Keys are within 0.4 degrees and 8e-4 of the body's size of the motion. One that ends early is written to its end,
+/// with a warning.
 /// @returns the exit code
-/// @throws ArgumentError if the family lacks a state of the pose; OutsideBoxError and NoResultError if there is no motion
-/// at all; NoResultError for more than 200,000 keys
+/// @throws ArgumentError if the family lacks a state of the pose; OutsideBoxError and NoResultError if there is no
+/// motion at all; NoResultError for more than 200,000 keys
 int write_animation(const std::string& path, const Animation& animation);
 
-/// Of a motion whose states are there already, at times between which the body turns by less than 60 degrees; no family is
-/// asked.
+/// Of a motion whose states are there already, at times between which the body turns by less than 60 degrees; no
+/// family is asked.
 /// @param states times x states of `info`
 /// @throws NoResultError if it turns further
 void write_animation(const std::string& path, const Animation& animation, const models::ModelInfo& info,

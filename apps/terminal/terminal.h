@@ -43,7 +43,8 @@ void narrate(const std::string& line);
 void explain_on_stderr(const std::string& lines);
 
 /// Draws one line that overwrites itself, if stderr is a terminal: what is done, how long it has taken, how long its
-/// stage may still take. Else prints such a line every half minute, and --verbose also one for each stage. Asks for the work to end once is_interrupted().
+/// stage may still take. Else prints such a line every half minute, and --verbose also one for each stage. Asks for
+/// the work to end once is_interrupted().
 ProgressCallback progress_line();
 /// Removes that line.
 void clear_progress();

@@ -114,8 +114,8 @@ class TextTable {
     }
   }
 
-  /// As several tables of at most `width`, each with the first columns, as many as tell the rows apart. Empty where these
-  /// have no room beside every other.
+  /// As several tables of at most `width`, each with the first columns, as many as tell the rows apart. Empty where
+  /// these have no room beside every other.
   std::vector<std::string> parted(std::size_t width) const {
     const std::size_t heads = telling_columns();
     if (heads == widths_.size()) return {};

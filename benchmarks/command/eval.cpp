@@ -1,6 +1,6 @@
-/// Points of codebooks by samara_eval.h beside the library, one call after the other in the same process: `eval_h` with the
-/// flags of the machine, as the library's own kernels have, `eval_h_flags` with -O3 alone, `eval_h_plain` by plain loops
-/// with -O3, as for compilers that are neither GCC nor Clang. Cases of the benchmark `command`.
+/// Points of codebooks by samara_eval.h beside the library, one call after the other in the same process: `eval_h`
+/// with the flags of the machine, as the library's own kernels have, `eval_h_flags` with -O3 alone, `eval_h_plain` by
+/// plain loops with -O3, as for compilers that are neither GCC nor Clang. Cases of the benchmark `command`.
 #include <algorithm>
 #include <cmath>
 #include <exception>

@@ -38,8 +38,8 @@ relative = 2e-6
 )toml";
 
 struct Composed {
-  std::vector<double>
-      shares;      ///< ascending: largest error of a fall, of the range of that state over all falls
+  /// Ascending: largest error of a fall, of the range of that state over all falls.
+  std::vector<double> shares;
   int within = 0;  ///< falls that stay in the box
 };
 

@@ -12,8 +12,8 @@ namespace samara::benchmarks {
 
 namespace {
 
-/// A plate of an eighth of its width in a stream. Quick: an ellipse at low Reynolds numbers on a coarse grid, which shows that
-/// the case runs and is no figure.
+/// A plate of an eighth of its width in a stream. Quick: an ellipse at low Reynolds numbers on a coarse grid, which
+/// shows that the case runs and is no figure.
 std::string plan_text(bool quick) {
   if (quick)
     return R"([flow]

@@ -2,8 +2,8 @@
 
 #include "report.h"
 
-/// The cases of the benchmark flow, by subject; each prints its measurements. Those that take more than five minutes run
-/// only by their name.
+/// The cases of the benchmark flow, by subject; each prints its measurements. Those that take more than
+/// five minutes run only by their name.
 namespace samara::benchmarks {
 
 inline constexpr const char* kFlow = "flow";

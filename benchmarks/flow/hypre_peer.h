@@ -6,8 +6,8 @@
 
 namespace samara::benchmarks {
 
-/// The pressure by hypre: conjugate gradients with one V-cycle of its multigrid for structured grids (PFMG) before, on one
-/// process. Only where hypre and MPI are found (Debian: libhypre-dev).
+/// The pressure by hypre: conjugate gradients with one V-cycle of its multigrid for structured grids (PFMG) before,
+/// on one process. Only where hypre and MPI are found (Debian: libhypre-dev).
 class HyprePoisson {
  public:
   /// @param matrix without periodic borders

@@ -27,8 +27,8 @@ std::filesystem::path checkpoint_of(const std::string& name, int cells) {
   return fmt::format("flow_{}_{}.checkpoint", name, cells);
 }
 
-/// The flow on a grid, from the checkpoint that an interrupted measurement has left; one of another solver is refused. The
-/// checkpoint stays until all grids are done, so that finished ones take less than a minute again.
+/// The flow on a grid, from the checkpoint that an interrupted measurement has left; one of another solver is
+/// refused. The checkpoint stays until all grids are done, so that finished ones take less than a minute again.
 FlowResult run_body(const std::string& name, FlowCase flow, int cells, const char* baseline) {
   flow.cells_per_length = cells;
   FlowOptions options;
@@ -72,7 +72,8 @@ void run_square() {
   print({kFlow, name, "clipped_cells", clipped(grids), "cells", "self"});
 }
 
-/// A plate of an eighth of its width, broadside on. Two cells across it take 16 to its width: at 8 it would be another body.
+/// A plate of an eighth of its width, broadside on. Two cells across it take 16 to its width: at 8 it would be
+/// another body.
 void run_plate() {
   const std::string name = "plate_90";
   FlowCase flow;

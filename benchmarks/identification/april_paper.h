@@ -39,8 +39,8 @@ std::vector<AprilVariant> april_variants(const std::vector<samara::identificatio
 struct AprilVerdict {
   std::string name = {};
   double value = 0.0;
-  double error =
-      0.0;  ///< of the logarithm, from the scatter between windows; of the prior where there is none
+  /// Of the logarithm, from the scatter between windows; of the prior where there is none.
+  double error = 0.0;
   double change = 0.0;  ///< of the logarithm, the largest of the variants
   bool identified = false;
   std::string words = {};

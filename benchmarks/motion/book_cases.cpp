@@ -1,5 +1,5 @@
-// Refining a planned fall with tangents of a codebook, beside those of steps: of a law that is compiled, and of the same
-// equations as text.
+// Refining a planned fall with tangents of a codebook, beside those of steps: of a law that is
+// compiled, and of the same equations as text.
 #include <cmath>
 
 #include <fmt/format.h>

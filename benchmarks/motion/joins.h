@@ -42,8 +42,8 @@ PlanarBlend blended_walk(const motion::MotionDatabase& database, const Recording
                          const std::vector<Eigen::Index>& segments, double blend, double dt);
 
 /// Poses of a body in space from `first` to those of `second` (x, y, z, qw, .., in rows), which is turned about the
-/// vertical, moved, and taken in the copy of the body's symmetry in which it fits best at the beginning: a quintic blend
-/// of places and, by slerp, of rotations, over all frames.
+/// vertical, moved, and taken in the copy of the body's symmetry in which it fits best at the beginning: a quintic
+/// blend of places and, by slerp, of rotations, over all frames.
 Eigen::MatrixXd blended_in_space(const Eigen::MatrixXd& first, Eigen::MatrixXd second,
                                  motion::BodySymmetry symmetry);
 

@@ -145,8 +145,8 @@ void report_sketch(const std::string& test_case, const MotionPlan& plan) {
          .unit = "s"});
 }
 
-/// x = sum over m = 1..3 of (6/m) g_m sin(m pi d/60 + phi_m), from 0 on, g_m normal, phi_m uniform; drawn again until it is
-/// nowhere flatter than 35 degrees off the vertical: plates of the box glide as far.
+/// x = sum over m = 1..3 of (6/m) g_m sin(m pi d/60 + phi_m), from 0 on, g_m normal, phi_m uniform; drawn again until
+/// it is nowhere flatter than 35 degrees off the vertical: plates of the box glide as far.
 Line random_line(std::uint64_t seed) {
   for (std::uint64_t attempt = 0;; ++attempt) {
     Stream stream(seed, attempt);

@@ -101,8 +101,8 @@ void run_planar_walks(const Options& options) {
   print({kMotion, kName, "kinds_kept_untried", untried, "1"});
 }
 
-/// Of two hundred bodies at once: planned kinds that come about, drawn ones that are had, and how the kinds are those of
-/// the chain: what an event's logarithm of probability falls short of that of its own draws.
+/// Of two hundred bodies at once: planned kinds that come about, drawn ones that are had, and how the kinds are those
+/// of the chain: what an event's logarithm of probability falls short of that of its own draws.
 void run_crowd(const char* name, const motion::NextPieces& pieces, double time) {
   using Choice = motion::BodiesOptions::Choice;
   const auto share = [](long some, long all) { return static_cast<double>(some) / static_cast<double>(all); };

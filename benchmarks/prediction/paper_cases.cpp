@@ -51,7 +51,8 @@ class Drops {
   std::map<std::string, int> numbers_;
 };
 
-/// Windows predicted by a fit of others, of every second one: more of them move its coefficients less than other drops do.
+/// Windows predicted by a fit of others, of every second one: more of them move its coefficients less than other
+/// drops do.
 std::vector<AskedMoment> asked(const std::vector<Window>& others, const std::vector<Window>& left_out,
                                Drops& drops) {
   const auto family = identification::paper_family();

@@ -1,8 +1,8 @@
-/// Square plates that settle in water, 0.4 swings beyond a window of one swing, on eight drops
-/// that had no part in the fit of eight others, in three splits drawn with the seeds 1 to 3. A moment is asked about
-/// every third frame. All drops that are not asked about teach the autoregression and the baselines. Where they are
-/// few, those that the source's index flags teach the autoregression, too. Body and baselines see positions alone, the
-/// autoregression silhouettes besides.
+/// Square plates that settle in water, 0.4 swings beyond a window of one swing, on eight drops that had no part
+/// in the fit of eight others, in three splits drawn with the seeds 1 to 3. A moment is asked about every third
+/// frame. All drops that are not asked about teach the autoregression and the baselines. Where they are few,
+/// those that the source's index flags teach the autoregression, too. Body and baselines see positions alone,
+/// the autoregression silhouettes besides.
 ///
 /// Cleaning takes out frames far from their neighbours on both sides: windows that are predicted are cleaned without
 /// what came after them.

@@ -16,7 +16,7 @@ using samara::identification::Components;
 using samara::identification::PredictionScore;
 
 /// The window as a moment of a motion.
-/// @param model where the model is then; empty: not asked. What is not finite counts as silence
+/// @param model where the model is then; empty: not asked. What is not finite counts as no forecast
 /// @param net_weight m/s^2, as of SeenMotion
 AskedMoment moment_of(const identification::Window& window, int cluster, const Eigen::VectorXd& known = {},
                       const Eigen::RowVectorXd& model = {},

@@ -236,7 +236,7 @@ class HandRk4Of final : public HandRk4 {
     int step = 0;
     std::array<double, 4> weights = {};  ///< of x and f at the step's begin, then at its end
   };
-  /// States and rates at the end of a step; some room behind them for vectors.
+  /// States and rates at the end of a step; some room after them for vectors.
   template <class S>
   struct Node {
     std::array<S, (kStates + 7) / 8 * 8> x = {};

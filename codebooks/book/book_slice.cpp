@@ -56,8 +56,8 @@ Piece restricted_piece(const Codebook& book, const Piece& piece, const std::vect
   return groups;
 }
 
-/// A piece with a front, without the held coordinates. Where the counted one is held it stands still on its axis only if
-/// all do that the front depends on.
+/// A piece with a front, without the held coordinates. Where the counted one is held it stands still on its axis only
+/// if all do that the front depends on.
 Piece restricted_at_front(const Codebook& book, const Piece& piece, std::vector<HeldCoordinate> held) {
   FrontMap front = *piece.front();
   std::vector<double> point(piece.lower());

@@ -13,8 +13,8 @@ namespace samara::codebooks {
 ///
 /// The slice has no certificate: that of the whole says how few points of its box are wrong, not where.
 /// @param held coordinates and their values, SI; not time, and not all
-/// @throws ArgumentError for an unknown name, for one that is counted from a front that still moves, for time, a value that is not finite, and if nothing is left free;
-/// OutsideBoxError for a value outside the box
+/// @throws ArgumentError for an unknown name, for one that is counted from a front that still moves, for time, a
+/// value that is not finite, and if nothing is left free; OutsideBoxError for a value outside the box
 Codebook slice(const Codebook& book, const std::map<std::string, double>& held);
 
 }  // namespace samara::codebooks

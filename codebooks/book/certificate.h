@@ -43,10 +43,9 @@ struct ErrorBudget {
 inline constexpr int kCertificatePoints = 2000;
 
 /// Error of a codebook against CVODES at tight tolerance, against the command it was sampled from, or, of a field
-/// of space, against what `integrator` names, on
-/// scrambled Sobol' points that no builder saw, at all times of a grid finer than the builder's. Where a few
-/// errors stand far above the others, climbs lead from the worst points to the largest errors around them
-/// (pgd/sampling/error_climb.h).
+/// of space, against what `integrator` names, on scrambled Sobol' points that no builder saw, at all times of a grid
+/// finer than the builder's. Where a few errors stand far above the others, climbs lead from the worst points to the
+/// largest errors around them (pgd/sampling/error_climb.h).
 struct Certificate {
   double tolerance = 0.0;  ///< what the plan asked for
   /// The builder came to an end (sampling to its tolerance; a march to the end of its time, with no guard point

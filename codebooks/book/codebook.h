@@ -15,8 +15,9 @@
 #include "samara/codebooks/book/space_mesh.h"
 
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
-/// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows
-/// one), or a field of space (and time, if it changes) over a box of parameters, with a certificate of its error. Coordinates and outputs are in SI units.
+/// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows one),
+/// or a field of space (and time, if it changes) over a box of parameters, with a certificate of its error.
+/// Coordinates and outputs are in SI units.
 ///
 /// Usage:
 ///   const Codebook book = load("coin.h5");
@@ -88,8 +89,8 @@ class Piece {
   Piece() : Piece(Groups()) {}
   Piece(Groups groups);  // NOLINT(google-explicit-constructor): groups are a piece
   /// One of whose axes is counted from a front. @param front of points of all its axes
-  /// @throws ArgumentError unless the front's intervals are those of parameters among its axes, the counted one of elements
-  ///   or a polynomial
+  /// @throws ArgumentError unless the front's intervals are those of parameters among its axes, the
+  ///   counted one of elements or a polynomial
   Piece(Groups groups, FrontMap front);
   /// @param lower,upper of the box, coordinate by coordinate
   /// @param read called once, when the groups are first asked for; what it throws passes to the caller, and
@@ -126,10 +127,10 @@ struct Coordinate {
 class Codebook {
  public:
   /// Keeps the pieces in the order of their lower corners.
-  /// @throws ArgumentError if there is no piece, or more than one where one has a front, pieces differ in their coordinates or outputs, groups of a
-  /// piece in their axes, two outputs have one name, or time is not first or not made of elements, or missing
-  /// where the codebook is one of a model and has no coordinate of space either. Of pieces that are not read yet the first is looked at in outline,
-  /// others are not: see check_piece().
+  /// @throws ArgumentError if there is no piece, or more than one where one has a front, pieces differ in their
+  /// coordinates or outputs, groups of a piece in their axes, two outputs have one name, or time is not first or not
+  /// made of elements, or missing where the codebook is one of a model and has no coordinate of space either. Of
+  /// pieces that are not read yet the first is looked at in outline, others are not: see check_piece().
   Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
            Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
 

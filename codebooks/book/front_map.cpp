@@ -81,9 +81,9 @@ FrontMap::FrontMap(int coordinate, double lower, double upper, std::vector<Other
   require_front(stays_inside(), "knows a front that leaves its interval");
 }
 
-/// Whether |G| is below 1 everywhere. The sum of the coefficients bounds it, but by far; else a polynomial of degree n is
-/// nowhere larger than 1/cos(pi n/(2 N)) times the largest of its values at the N + 1 points cos(pi k/N) (Ehlich and
-/// Zeller, Math. Z. 86 (1964) 41-44), along each of the others.
+/// Whether |G| is below 1 everywhere. The sum of the coefficients bounds it, but by far; else a polynomial of degree
+/// n is nowhere larger than 1/cos(pi n/(2 N)) times the largest of its values at the N + 1 points cos(pi k/N) (Ehlich
+/// and Zeller, Math. Z. 86 (1964) 41-44), along each of the others.
 bool FrontMap::stays_inside() const {
   if (place_.cwiseAbs().sum() < 1.0) return true;
   constexpr int kDenser = 6;  // N/n

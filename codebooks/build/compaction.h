@@ -22,11 +22,10 @@ struct CompactionRequest {
 /// What a plan asks of compaction. @param share as in CompactionRequest
 CompactionRequest compaction_of(const Plan& plan, double share);
 
-/// The same solution with fewer numbers, by a part of what the builder left of the tolerance: slabs are
-/// joined and made compact (pgd/evolution/slab_join.h), sums of products get fewer terms
-/// (pgd/tensors/compression.h). Nothing if that saves nothing, for trains of sampling, which are rounded
-/// already, and for solutions that did not converge. Errors are over the ranges of the
-/// outputs as the fields show them.
+/// The same solution with fewer numbers, by a part of what the builder left of the tolerance: slabs are joined and
+/// made compact (pgd/evolution/slab_join.h), sums of products get fewer terms (pgd/tensors/compression.h). Nothing if
+/// that saves nothing, for trains of sampling, which are rounded already, and for solutions that did not converge.
+/// Errors are over the ranges of the outputs as the fields show them.
 std::optional<Solution> compacted(const Solution& solution, const CompactionRequest& request);
 
 }  // namespace samara::codebooks

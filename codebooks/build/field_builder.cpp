@@ -19,7 +19,7 @@ double first_aim(const Plan& plan) {
 
 double next_aim(double aim, double error, const Plan& plan) {
   constexpr double kSafety = 0.6, kLeast = 0.2, kMost = 0.7;
-  // The error goes with the aim, more or less; a smaller one than needed is dear, over decades above all.
+  // The error goes with the aim, more or less; a smaller one than needed is costly, over decades above all.
   return aim * (std::isfinite(error) ? std::clamp(kSafety * plan.relative / error, kLeast, kMost) : kLeast);
 }
 

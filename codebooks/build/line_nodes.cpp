@@ -26,7 +26,7 @@ Eigen::VectorXd tail_of(const Eigen::MatrixXd& values, const Eigen::MatrixXd& tr
   return coefficients.colwise().maxCoeff().transpose();
 }
 
-/// The fewest nodes behind which less than `bound` is left.
+/// The fewest nodes after which less than `bound` is left.
 int nodes_for(const Eigen::VectorXd& tail, double bound) {
   int nodes = 2;
   while (nodes < tail.size() && tail[nodes] > bound) ++nodes;

@@ -47,11 +47,11 @@ class LineNodes {
 
   /// May be called again: what all looks have seen counts.
   /// @param bases points that the lines go through, a multiple of 8
-  /// @param bound which nodes have to be told apart: what is left behind the last ones
+  /// @param bound which nodes have to be told apart: what is left after the last ones
   /// @param tolerance a line that errs by more with as many nodes as are allowed is a front
   void look_along(Eigen::Index coordinate, const Eigen::MatrixXd& bases, double bound, double tolerance);
 
-  /// Per coordinate the fewest nodes behind which less than `bound` is left along all lines; of one in elements, all of
+  /// Per coordinate the fewest nodes after which less than `bound` is left along all lines; of one in elements, all of
   /// its nodes.
   std::vector<int> within(double bound) const;
   /// Whether as many as are allowed leave more.

@@ -39,9 +39,9 @@ class SteppedGrid {
   SteppedGrid(const Plan& plan, const std::vector<pgd::Axis::Label>& coordinates,
               SteppedTrajectories& trajectories, LineNodes::Values values);
 
-  /// Chooses nodes, and where they do not suffice a front to count from, if it is narrow, or elements, and a front where
-  /// these do not either; to be called once, first. There are no elements where they do not follow all fronts: front() then says where the worst
-  /// one is.
+  /// Chooses nodes, and where they do not suffice a front to count from, if it is narrow, or elements, and a front
+  /// where these do not either; to be called once, first. There are no elements where they do not follow all fronts:
+  /// front() then says where the worst one is.
   void look_along_lines(pgd::Random& random);
 
   /// Until elements err along lines by no more than the share, which is reached in steps of kTighter, each with the

@@ -8,8 +8,8 @@
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
 
-/// What stands behind the queries of the interface in C: one class each for points and trajectories, whose outputs may be
-/// stored or derived, and whose answers lie in memory as C has them; internal to codebooks/.
+/// What the queries of the interface in C are made of: one class each for points and trajectories, whose outputs
+/// may be stored or derived, and whose answers lie in memory as C has them; internal to codebooks/.
 namespace samara::codebooks {
 
 /// @throws as Query and DerivedQuery

@@ -968,7 +968,7 @@ static const samara_eval_piece* samara_eval_find(const samara_eval* book, const 
 }
 
 /* Outputs of a group at a point, by the weights of all axes. Columns are carried from the last axis to the first: the
- * value v and derivatives t_m by axes m behind; with the blend S of axis k and its derivative S', v <- S v, t_m <- S
+ * value v and derivatives t_m by later axes m; with the blend S of axis k and its derivative S', v <- S v, t_m <- S
  * t_m and t_k = S' v. Column 0 is v, column 1 + m is t_m. */
 static void samara_eval_group_at(const samara_eval* book, const samara_eval_piece* piece,
                                  const samara_eval_group* group, samara_eval_combine combine, double* work,

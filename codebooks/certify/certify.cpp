@@ -82,7 +82,7 @@ Eigen::VectorXd largest_errors(const std::vector<PointErrors>& errors, const Eig
   return largest;
 }
 
-/// In slices, so that progress is reported, and cancellation heard, on the calling thread.
+/// In slices, so that progress is reported, and cancellation noticed, on the calling thread.
 std::vector<PointErrors> compared(const Eigen::MatrixXd& q, const Codebook& book,
                                   const CertifyOptions& options, const Comparison& comparison,
                                   Eigen::Index slice, Extent extent) {

@@ -88,8 +88,8 @@ class WindowChart {
   MotionSymmetry symmetry_;
   models::ParametricModel model_;
   models::ParametricModel::Workspace workspace_;
-  std::vector<double>
-      model_parameters_;  ///< free coordinates of the model; those of initial values do not matter to f
+  /// Free coordinates of the model; those of initial values do not matter to f.
+  std::vector<double> model_parameters_;
   std::vector<Coordinate> parameters_;
   std::vector<int> parameter_places_;  ///< coordinates of the codebook
   double window_ = 0.0;

@@ -20,8 +20,8 @@ Eigen::VectorXd middle_of_box(const Codebook& book);
 std::vector<io::SvgPanel> trajectory_panels(const Codebook& book, const Eigen::VectorXd& q,
                                             const std::vector<std::string>& outputs = {});
 
-/// The largest and the median difference from the reference integrator over time, at fresh points of the box, of the range
-/// that the certificate names (else of the range at these points).
+/// The largest and the median difference from the reference integrator over time, at fresh points of the box, of the
+/// range that the certificate names (else of the range at these points).
 /// @param points at least 1
 /// @throws ArgumentError without time or model; NoResultError where no point could be integrated
 std::vector<io::SvgPanel> error_panels(const Codebook& book, int points, std::uint64_t seed,

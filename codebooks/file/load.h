@@ -13,7 +13,8 @@ namespace samara::codebooks {
 ///   version, or holds impossible values.
 Codebook load(const std::filesystem::path& path);
 
-/// The same of the bytes of such a file, which need not stay: all pieces are read at once. Errors name "bytes in memory".
+/// The same of the bytes of such a file, which need not stay: all pieces are read at once. Errors name "bytes in
+/// memory".
 /// @throws InputError as load(), NoResultError if memory is short
 Codebook load_bytes(std::string_view bytes);
 

@@ -88,8 +88,8 @@ struct BuildRequest {
 /// asked.
 struct Plan : BuildRequest {
   std::string model;  ///< its name; empty where there is a command
-  std::shared_ptr<const models::Model>
-      definition;                             ///< of the model; null where there is a command, or a field
+  /// Of the model; null where there is a command, or a field.
+  std::shared_ptr<const models::Model> definition;
   const models::FieldModel* field = nullptr;  ///< of the model, where it is one of a field of space
   std::optional<PlannedCommand> command;      ///< instead of a model
   std::map<std::string, double> fixed;        ///< SI
@@ -120,7 +120,8 @@ struct Plan : BuildRequest {
 using BodyReader = std::function<std::map<std::string, double>(const models::BodyDescription&)>;
 
 /// Reads a plan. Quantities are SI numbers or strings with a unit.
-/// @param body_reader for plans with a table [body], whose mesh lies relative to the plan; its errors get the plan's line
+/// @param body_reader for plans with a table [body], whose mesh lies relative to the plan; its errors get the plan's
+/// line
 /// @throws InputError, with file and line, for unknown keys, parameters or units, an interval that is empty
 /// or reversed, values that are not finite, a body without a reader, and whatever else cannot be a plan.
 Plan read_plan(const std::filesystem::path& path, const BodyReader& body_reader = {});

@@ -23,10 +23,10 @@ struct PlanChanges {
   bool empty() const { return coordinates.empty() && !relative && !threads; }
 };
 
-/// The plan with the changes, and with a text that says the same, so that it can be built again from its codebook. The nodes and the
-/// transform of an interval that is changed stay.
-/// @param text, name as parse_plan() takes them @throws InputError as parse_plan() for the text as it stands; ArgumentError
-/// for changes that make no plan of it, or that its form does not allow (io/toml_edit.h)
+/// The plan with the changes, and with a text that says the same, so that it can be built again from its codebook.
+/// The nodes and the transform of an interval that is changed stay.
+/// @param text, name as parse_plan() takes them @throws InputError as parse_plan() for the text as it stands;
+/// ArgumentError for changes that make no plan of it, or that its form does not allow (io/toml_edit.h)
 Plan changed_plan(const std::string& text, const std::string& name, const PlanChanges& changes,
                   const BodyReader& body_reader = {});
 

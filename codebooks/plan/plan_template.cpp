@@ -71,8 +71,8 @@ bool is_required(const models::ParameterInfo& parameter) {
   return !parameter.default_value && parameter.derived.empty();
 }
 
-/// The parameter to free: a number without a unit that has to be given, such as a drag coefficient; else one that has to be
-/// given; else a number without a unit whose default is not zero; else the first.
+/// The parameter to free: a number without a unit that has to be given, such as a drag coefficient; else one that has
+/// to be given; else a number without a unit whose default is not zero; else the first.
 const models::ParameterInfo& freed(const std::vector<models::ParameterInfo>& parameters) {
   const auto first = [&](const auto& suits) -> const models::ParameterInfo* {
     const auto found = std::ranges::find_if(parameters, suits);

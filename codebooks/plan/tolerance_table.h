@@ -12,7 +12,7 @@ namespace samara::codebooks {
 /// @throws InputError with file and line
 void read_tolerance(const io::TomlTable& root, const PlanSubject& subject, Plan& plan);
 
-/// A command may be called no oftener for the certificate than for the build, whose table has been read.
+/// A command may be called no more often for the certificate than for the build, whose table has been read.
 /// @throws InputError with file and line
 void check_assurance_is_allowed(const io::TomlTable& root, const Plan& plan);
 

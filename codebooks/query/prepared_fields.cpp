@@ -217,7 +217,7 @@ void PreparedFields::in_rows(const std::vector<Stretch>& stretches, int columns,
   }
 }
 
-/// The whole point stands behind the one on the axes.
+/// The whole point stands after the one on the axes.
 const double* PreparedFields::map_to_axes(const double* x, double* axis_point) const {
   double* const whole = axis_point + axis_count();
   std::copy(held_.begin(), held_.end(), whole);

@@ -44,7 +44,8 @@ class PreparedFields {
   /// Whether every axis of every piece has one element only.
   bool has_one_cell() const { return has_one_cell_; }
 
-  /// Coordinates of the fields themselves: the free ones, and with a front (front_map.h) the one that is counted from it.
+  /// Coordinates of the fields themselves: the free ones, and with a front (front_map.h) the one that is counted from
+  /// it.
   int axis_count() const { return static_cast<int>(axis_places_.size()); }
   /// The point of the axes for a free point: itself, or where there is a front what is written to `axis_point`, of
   /// axis_point_size() numbers.

@@ -34,8 +34,7 @@ class TrajectoryQuery {
   int output_count() const;
   /// Number of free coordinates, time not counted.
   int parameter_count() const;
-  /// Inner dimension of the product over the prepared times: ranks, or terms, of the
-  /// largest piece.
+  /// Inner dimension of the product over the prepared times: ranks, or terms, of the largest piece.
   int inner_size() const;
   Precision precision() const;
 

@@ -15,7 +15,7 @@
 
 namespace samara::codebooks {
 
-/// The program behind a command, for lines of any length: started for every batch, or once and kept. One that
+/// The program of a command, for lines of any length: started for every batch, or once and kept. One that
 /// is kept is ended when it fails, and started again by the next call.
 class CommandProgram {
  public:

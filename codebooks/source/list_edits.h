@@ -22,7 +22,7 @@ std::vector<ListEdit> edits_between(std::span<const double> before, std::span<co
 class EditedList {
  public:
   std::size_t size() const { return size_; }
-  /// @throws std::out_of_range for a part that is not in the list
+  /// @throws ArgumentError for a part that is not in the list
   void apply(std::vector<ListEdit> edits);
   std::vector<double> numbers() const;
 

@@ -34,8 +34,8 @@ struct StatisticsRequest {
   std::map<std::string, double> fixed = {};           ///< coordinates that are held, SI
   std::vector<std::vector<std::string>> groups = {};  ///< of inputs to give indices of together
   std::vector<double> quantiles = {};                 ///< shares in (0, 1)
-  /// With it all statistics come from draws, and there are no indices, which stand for inputs that are independent. So it
-  /// is with codebooks of which a coordinate is counted from a front.
+  /// With it all statistics come from draws, and there are no indices, which stand for inputs that are independent.
+  /// So it is with codebooks of which a coordinate is counted from a front.
   std::optional<JointNormal> joint = {};
   int draws = 4096;
   std::uint64_t seed = 1;

@@ -25,8 +25,8 @@ DistributionKind distribution_from_string(const std::string& name);
 std::string to_string(const Distribution& distribution);
 
 /// @param what whose it is, for the message
-/// @throws ArgumentError for numbers that are not finite, a least value not below the largest, a deviation or the median
-///   of a log-normal one not above 0
+/// @throws ArgumentError for numbers that are not finite, a least value not below the largest, a deviation or the
+///   median of a log-normal one not above 0
 void require_distribution(const std::string& what, const Distribution& distribution);
 
 /// The probability of values up to x.

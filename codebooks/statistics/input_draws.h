@@ -8,8 +8,8 @@
 namespace samara::codebooks {
 
 struct InputDraws {
-  Eigen::MatrixXd
-      points;  ///< coordinates without time, in order x draws; those that are held stand there, too
+  /// Coordinates without time, in order x draws; those that are held stand there, too.
+  Eigen::MatrixXd points;
   double share_inside = 1;  ///< of draws of a joint distribution, inside the box
 };
 

@@ -6,17 +6,19 @@
 #include "samara/codebooks/build/build.h"
 #include "samara/flow/files/flow_plan.h"
 
-/// The flow about a body as a codebook: coefficients of the loads, Strouhal number and the energy near the body over the
-/// angle of attack and the Reynolds number. All is dimensionless, so that one book serves all sizes, speeds and fluids, and
-/// it is an ordinary codebook: queries with gradients, statistics, fits.
+/// The flow about a body as a codebook: coefficients of the loads, Strouhal number and the energy near the body over
+/// the angle of attack and the Reynolds number. All is dimensionless, so that one book serves all sizes, speeds and
+/// fluids, and it is an ordinary codebook: queries with gradients, statistics, fits.
 ///
-/// Flows are solved on a grid of Leja points of the box that grows where the next point along a coordinate is not foretold
-/// to half the tolerance: a flow takes minutes, and sampling for sources that take milliseconds would spend a hundred of
-/// them on its own checks. Its certificate is measured against fresh solves at points that the builder did not see; what
-/// the grid of cells is worth is another error, which discretisation() measures with twice the cells.
+/// Flows are solved on a grid of Leja points of the box that grows where the next point along a coordinate is
+/// not foretold to half the tolerance: a flow takes minutes, and sampling for sources that take milliseconds
+/// would spend a hundred of them on its own checks. Its certificate is measured against fresh solves at
+/// points that the builder did not see; what the grid of cells is worth is another error, which
+/// discretisation() measures with twice the cells.
 namespace samara::flow {
 
-/// Rows of its outputs: C_D, C_L, C_M, deviation C_L_rms, strouhal, bubble_end, k_near, and epsilon_near with turbulence.
+/// Rows of its outputs: C_D, C_L, C_M, deviation C_L_rms, strouhal, bubble_end, k_near, and epsilon_near with
+/// turbulence.
 std::vector<codebooks::CommandQuantity> energy_outputs(const FlowCase& flow);
 
 /// Their values. k and epsilon are means over the fluid within half a length of the body.
@@ -32,8 +34,8 @@ Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& po
 /// of another plan or solver
 codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
 
-/// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points: the
-/// largest over both ends of the box.
+/// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points:
+/// the largest over both ends of the box.
 /// @param options as of build_energy_book(); these flows are kept in finer_checkpoint(), which stays
 /// @throws NoResultError if one of these flows is not found; InputError for flows of another plan or solver there
 Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,

@@ -63,8 +63,8 @@ struct GridGrowth {
   std::string text(const LejaGrid& grid, long most) const;
 };
 
-/// Solves columns on the grid, and makes it grow along each coordinate as long as the next node along it differs by more
-/// than `allowed` from what the grid foretells.
+/// Solves columns on the grid, and makes it grow along each coordinate as long as the next node along it differs by
+/// more than `allowed` from what the grid foretells.
 /// @param solve the column at a place in [-1, 1]^d  @param apart how much two columns differ
 /// @param most columns that may be solved: no grid is begun that needs more
 GridGrowth grow(LejaGrid& grid, const std::function<Eigen::VectorXd(const std::vector<double>& unit)>& solve,

@@ -21,8 +21,8 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point, cons
 /// The same flows on twice the cells, which say what the grid is worth.
 FlowPlan finer_plan(const FlowPlan& plan);
 
-/// Refuses a plan of whose flows some would be refused, such as at the angle of its box where the body is widest, or on twice
-/// the cells: after hours of others it would be late to say so.
+/// Refuses a plan of whose flows some would be refused, such as at the angle of its box where the body is widest, or
+/// on twice the cells: after hours of others it would be late to say so.
 /// @throws ArgumentError also for a plan without a box, or with fewer calls than a first grid takes
 void check_book(const FlowPlan& plan);
 
@@ -32,8 +32,8 @@ std::filesystem::path finer_checkpoint(const std::filesystem::path& checkpoint);
 /// What checkpoints of a book must agree in: the plan, and the revision of the solver.
 std::string checkpointed_text(const FlowPlan& plan);
 
-/// Runs the build of a book as codebooks::build() has it: what was cancelled once stays cancelled, and the checkpoint of a
-/// build that is done is removed, unless the options keep it.
+/// Runs the build of a book as codebooks::build() has it: what was cancelled once stays cancelled, and the checkpoint
+/// of a build that is done is removed, unless the options keep it.
 codebooks::BuildResult run_build(
     const codebooks::BuildOptions& options,
     const std::function<codebooks::BuildResult(const codebooks::BuildOptions& options)>& build);

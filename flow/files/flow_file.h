@@ -26,16 +26,16 @@ struct CentreField {
   Field values;
 };
 
-/// What a flow file holds of a flow: u, v, (w), p, k (modelled and resolved), k_modelled, k_resolved, epsilon; of a laminar
-/// one neither k_modelled nor epsilon.
+/// What a flow file holds of a flow: u, v, (w), p, k (modelled and resolved), k_modelled, k_resolved, epsilon; of a
+/// laminar one neither k_modelled nor epsilon.
 std::vector<CentreField> centre_fields(const FlowResult& result);
 
 /// What a flow file tells.
 struct FlowSummary {
   std::string status, message, title, plan, generator;
   double reynolds = 0.0, angle_of_attack = 0.0;
-  std::optional<double>
-      intensity;        ///< u'/U of the stream; none: a file of an earlier version, which does not say it
+  /// u'/U of the stream; none: a file of an earlier version, which does not say it.
+  std::optional<double> intensity;
   bool moving = false;  ///< the body moves: fields are those of an instant
   double drag = 0.0, lift = 0.0, moment = 0.0, drag_rms = 0.0, lift_rms = 0.0;
   std::optional<double> drag_half_width;  ///< of the 95 % interval; none: not known

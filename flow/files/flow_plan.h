@@ -31,8 +31,8 @@ struct FlowPlan {
   int certificate_points = 8;  ///< solves that it does not see
 };
 
-/// Reads a closed mesh from a file: models::read_mesh() of the library samara::mesh_files, which plans without meshes do not
-/// need.
+/// Reads a closed mesh from a file: models::read_mesh() of the library samara::mesh_files, which plans without meshes
+/// do not need.
 using MeshReader = std::function<models::TriangleMesh(const std::string& path)>;
 
 /// @param mesh_reader for plans with a mesh, whose path lies relative to the plan

@@ -11,19 +11,19 @@ namespace samara::flow {
 struct FlowPlacement {
   double speed = 1.0;   ///< U [m/s]
   double length = 1.0;  ///< l [m]
-  Eigen::Vector3d body =
-      Eigen::Vector3d::Zero();  ///< where the centre of the flow's own body is, world axes [m]
+  /// Where the centre of the flow's own body is, world axes [m].
+  Eigen::Vector3d body = Eigen::Vector3d::Zero();
   /// Beyond the grid the stream goes on with the energy with which it flows in; else the flow ends there.
   bool stream_beyond = false;
 };
 
-/// The mean flow and the energy of a flow file as what models fly in. The stream runs along world x, the flow's y is world
-/// z, up; a flow in the plane is the same for all world y.
+/// The mean flow and the energy of a flow file as what models fly in. The stream runs along world x, the flow's y is
+/// world z, up; a flow in the plane is the same for all world y.
 ///
 /// Between cells all is the quadratic B-spline of the values in their centres, which smooths by h^2/8 of the second
 /// derivative, as the solver's own error is: k and epsilon stay positive, and gradients are continuous and exact.
-/// Beyond the grid there is the stream at the inflow; with its energy, which is the same everywhere, or with none and not
-/// `inside`, as the placement says.
+/// Beyond the grid there is the stream at the inflow; with its energy, which is the same everywhere, or with none and
+/// not `inside`, as the placement says.
 class FlowView final : public models::TurbulentFlow {
  public:
   /// @throws ArgumentError if speed or length is not positive and finite, the place not finite, the flow that of a body
@@ -33,9 +33,10 @@ class FlowView final : public models::TurbulentFlow {
   models::AmbientSample sample(double t, const Eigen::Vector3d& position) const override;
   /// Two cells.
   double length() const override;
-  /// k is the modelled and the resolved one; a laminar flow has none. Not `inside` beyond the grid, where the flow ends.
+  /// k is the modelled and the resolved one; a laminar flow has none. Not `inside` beyond the grid, where the flow
+  /// ends.
   models::Turbulence turbulence(double t, const Eigen::Vector3d& position) const override;
-  /// Whether the grid holds the point, half a cell at its borders left out.
+  /// Whether the grid holds the point, a cell at its borders left out.
   bool inside(const Eigen::Vector3d& position) const;
 
  private:

@@ -7,8 +7,8 @@
 
 namespace samara::flow {
 
-/// How a rigid body moves at a time: its centre, and its turn about z, by the angle of attack of PlacedShape, which grows
-/// against the sense of z. In body lengths and U.
+/// How a rigid body moves at a time: its centre, and its turn about z, by the angle of attack of PlacedShape, which
+/// grows against the sense of z. In body lengths and U.
 struct BodyPose {
   Eigen::Vector3d place = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
                   acceleration = Eigen::Vector3d::Zero();

@@ -6,8 +6,8 @@
 ///
 ///   (1 + r_c (k_c + k_c+ + e_c)) x_c - r_c (k_c x_c- + k_c+ x_c+) = given,   c- and c+ the neighbours along the line
 ///
-/// with couplings k through the lower face of c (and of c+), r the inverse volume, e further losses. For r, k, e >= 0 the
-/// matrix is an M-matrix: what is positive stays so.
+/// with couplings k through the lower face of c (and of c+), r the inverse volume, e further losses. For r, k, e >= 0
+/// the matrix is an M-matrix: what is positive stays so.
 namespace samara::flow {
 
 /// What stands beyond the ends of lines: the coupling there is multiplied by `factor`, to a neighbour that is `value`.
@@ -28,7 +28,8 @@ template <class V, class Function>
   return f.template operator()<V>(c);
 }
 
-/// kLanes lines side by side by elimination (L. Thomas), in place. @param x, ratio, turn fields, the latter two for work
+/// kLanes lines side by side by elimination (L. Thomas), in place. @param x, ratio, turn fields, the latter two for
+/// work
 template <int kLanes, class Coupling, class Inverse, class Loss>
 void solve_lines(double* x, double* ratio, double* turn, Index start, Index s, Index lane, Index n,
                  const LineEnds& ends, const Coupling& coupling, const Inverse& inverse, const Loss& loss) {

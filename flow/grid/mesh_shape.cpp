@@ -155,8 +155,8 @@ class MeshDistance {
   }
 
   models::TriangleMesh mesh_;
-  std::vector<std::array<Eigen::Vector3d, 7>>
-      normals_;  ///< outward, of the parts of NearestPoint; not of unit length
+  /// Outward, of the parts of NearestPoint; not of unit length.
+  std::vector<std::array<Eigen::Vector3d, 7>> normals_;
   std::vector<int> order_;
   std::vector<Node> nodes_;
 };

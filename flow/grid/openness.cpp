@@ -34,8 +34,8 @@ Range near_of(const MacGrid& grid, const PlacedShape& body) {
   return near;
 }
 
-/// Signed distances at places of a grid, in cells: exact within three cells of the surface; beyond them of the right sign,
-/// and at least three. A distance changes by no more than the way, so that a row leaps over what is far.
+/// Signed distances at places of a grid, in cells: exact within three cells of the surface; beyond them of the right
+/// sign, and at least three. A distance changes by no more than the way, so that a row leaps over what is far.
 class Distances {
  public:
   /// @param offset of the places from the lower corners of cells, in cells

@@ -12,10 +12,10 @@
 /// 228 (2009) 8807; C. Batty, F. Bertails, R. Bridson, ACM Trans. Graphics 26 (2007) 100.
 ///
 /// The control volume of a velocity u_d on face f reaches from the centre of the cell below to that above. Its own
-/// faces across direction j are open by the mean of a_j over those two cells: then the mass that leaves a control volume
-/// is the mean of what leaves two cells, 0, and a uniform velocity stays uniform. The open volume is that of the two half
-/// cells, but at least half its largest open face, so that slivers do not shorten the time step; as one volume stands
-/// everywhere, momentum is conserved to rounding all the same.
+/// faces across direction j are open by the mean of a_j over those two cells: then the mass that leaves a control
+/// volume is the mean of what leaves two cells, 0, and a uniform velocity stays uniform. The open volume is that of
+/// the two half cells, but at least half its largest open face, so that slivers do not shorten the time step; as one
+/// volume stands everywhere, momentum is conserved to rounding all the same.
 namespace samara::flow {
 
 /// A piece of a body's surface in a control volume.
@@ -32,10 +32,11 @@ struct Openness {
   FaceField face;            ///< a in [0, 1]; 0: closed, and the velocity there is that of the body
   Field cell;                ///< c in [0, 1], open volume
   FaceField inverse_volume;  ///< 1/V of the faces' control volumes in h^-dimensions; 0 at closed faces
-  /// Of the lower face across direction j of the control volume of u_d, at [d][j]: its open area by h over the distance
-  /// that the velocities on both sides are apart. A velocity beside the body is the mean over the open part of its volume,
-  /// nearer to its neighbour than h; with h between them the body would act as if it were a quarter of a cell thinner all
-  /// round. The distance is that over which a profile that is linear from the surface on has their difference.
+  /// Of the lower face across direction j of the control volume of u_d, at [d][j]: its open area by h over the
+  /// distance that the velocities on both sides are apart. A velocity beside the body is the mean over the
+  /// open part of its volume, nearer to its neighbour than h; with h between them the body would act as if it
+  /// were a quarter of a cell thinner all round. The distance is that over which a profile that is linear from
+  /// the surface on has their difference.
   std::array<FaceField, 3> conduction;
   Field inverse_cell;                                ///< 1/volume of cells for transport; 0 at closed ones
   std::array<std::vector<WallPiece>, 3> wall_faces;  ///< open faces beside the body or a wall with a law
@@ -64,8 +65,8 @@ struct OpenPart {
 /// @param distance of the cube's centre from the plane, positive in the fluid; normal of the plane, into the fluid
 OpenPart measure_open_part(double distance, const Eigen::Vector3d& normal, int dimensions);
 
-/// The share of a square (or an edge, or a cube) that lies in the fluid, from the signed distances at its corners: exact
-/// for a plane surface along its edges or diagonal, a clamped linear function between.
+/// The share of a square (or an edge, or a cube) that lies in the fluid, from the signed distances at its corners:
+/// exact for a plane surface along its edges or diagonal, a clamped linear function between.
 double open_share(const double* corner_distances, int corners);
 
 }  // namespace samara::flow

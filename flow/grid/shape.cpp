@@ -14,9 +14,9 @@ namespace samara::flow {
 
 namespace {
 
-/// Distance from an ellipsoid: its nearest point is a_i^2 y_i/(t + a_i^2) where t solves sum (a_i y_i/(t + a_i^2))^2 = 1
-/// (D. Eberly, Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid). The largest root is bracketed,
-/// and the sum falls along it.
+/// Distance from an ellipsoid: its nearest point is a_i^2 y_i/(t + a_i^2) where t solves
+/// sum (a_i y_i/(t + a_i^2))^2 = 1 (D. Eberly, Distance from a point to an ellipse, an ellipsoid, or a
+/// hyperellipsoid). The largest root is bracketed, and the sum falls along it.
 double ellipsoid_distance(const Eigen::Vector3d& axes, int dimensions, const Eigen::Vector3d& point) {
   Eigen::Vector3d y = Eigen::Vector3d::Zero();
   for (int d = 0; d < dimensions; ++d) y(d) = std::abs(point(d));

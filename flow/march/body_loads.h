@@ -42,18 +42,19 @@ struct FaceForce {
   double force = 0.0;
 };
 
-/// What the body takes in a step beside the fluxes, because control volumes change as it moves on: they shrink by steps, and
-/// not by what is swept out of them in each, and a face that closes hands over the fluid that was left beside it. By the
-/// velocity relative to the body; over a way of many cells the sum is what the fluid has lost.
+/// What the body takes in a step beside the fluxes, because control volumes change as it moves on: they shrink by
+/// steps, and not by what is swept out of them in each, and a face that closes hands over the fluid that was left
+/// beside it. By the velocity relative to the body; over a way of many cells the sum is what the fluid has lost.
 std::vector<FaceForce> reshaping_forces(const MacGrid& grid, const Openness& open,
                                         const VolumesBefore& before, const MomentumStep& momentum,
                                         const FlowState& state, const BodyPose& pose, double step);
 
-/// The momentum that the body takes: pressure where openness changes across a cell, what walls took, and what entered the
-/// control volumes of closed faces. The last is no small thing: half of what arrives at a stagnation point ends there.
+/// The momentum that the body takes: pressure where openness changes across a cell, what walls took,
+/// and what entered the control volumes of closed faces. The last is no small thing: half of what
+/// arrives at a stagnation point ends there.
 ///
-/// Of a body that moves, closed faces take it by the velocity relative to them, and what fluid is left beside them has the
-/// body's acceleration. The body's own inertia is no part of it.
+/// Of a body that moves, closed faces take it by the velocity relative to them, and what fluid is left beside them
+/// has the body's acceleration. The body's own inertia is no part of it.
 /// @param moves whether it does; else only the pose's place matters
 /// @param reshaping reshaping_forces() of the step; none of a held body
 BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
@@ -61,8 +62,8 @@ BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const Momentu
                         const std::vector<FaceForce>& reshaping);
 
 /// The same force from the balance over a box of cells around the body, of which only the border and the change of
-/// momentum inside are looked at: what flowed in and was not stored. The two agree to rounding.
-/// That says nothing of `reshaping`, which both take as it is: it is held by what the fluid loses over a way of many cells.
+/// momentum inside are looked at: what flowed in and was not stored. The two agree to rounding. That says nothing of
+/// `reshaping`, which both take as it is: it is held by what the fluid loses over a way of many cells.
 Eigen::Vector3d box_force(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
                           const FlowState& state, const BodyPose& pose, bool moves,
                           const std::vector<FaceForce>& reshaping, const Range& box, double step);

@@ -6,8 +6,8 @@
 
 namespace samara::flow {
 
-/// Means of a flow over time: velocity on faces, the rest in centres, and the mean squares from which the resolved energy
-/// comes.
+/// Means of a flow over time: velocity on faces, the rest in centres, and the mean squares from which the resolved
+/// energy comes.
 class FieldAverage {
  public:
   explicit FieldAverage(const MacGrid& grid, bool turbulent);

@@ -46,8 +46,8 @@ double blockage(const FlowCase& flow) {
 
 double memory_of(const FlowCase& flow) {
   const std::array<int, 3> cells = cells_of(flow);
-  // Fields of doubles: two velocities with their factors, discharges and openness, averages, the levels of the pressure,
-  // and a checkpoint in the making.
+  // Fields of doubles: two velocities with their factors, discharges and openness, averages, the levels of the
+  // pressure, and a checkpoint in the making.
   const double fields = flow.shape.dimensions == 3 ? 124.0 : 85.0;
   double bytes = 8.0 * fields;
   for (int d = 0; d < flow.shape.dimensions; ++d)

@@ -23,8 +23,8 @@ struct BodyMotion {
   double period = 0.0;  ///< l/U, over which its loads repeat; 0: none
 };
 
-/// A body in a uniform stream along x with free sides: held, or moving on a path. Lengths are in body lengths l, velocities
-/// in U: of a held body that of the stream.
+/// A body in a uniform stream along x with free sides: held, or moving on a path. Lengths are in body lengths l,
+/// velocities in U: of a held body that of the stream.
 struct FlowCase {
   Shape shape;
   double angle_of_attack = 0.0;  ///< rad
@@ -43,8 +43,8 @@ double blockage(const FlowCase& flow);
 /// Memory that the solution of the case takes [bytes].
 double memory_of(const FlowCase& flow);
 /// @throws ArgumentError, naming value and expectation, for what cannot be solved: no positive Reynolds number, an
-/// intensity outside (0, 1], a blockage above 25 %, a body at the border or thinner than two cells, more than `max_memory`,
-/// a held body in a stream of another speed than 1, a path that does not begin with numbers
+/// intensity outside (0, 1], a blockage above 25 %, a body at the border or thinner than two cells, more than
+/// `max_memory`, a held body in a stream of another speed than 1, a path that does not begin with numbers
 void check_case(const FlowCase& flow, double max_memory);
 /// Of the whole case.
 MacGrid grid_of(const FlowCase& flow);

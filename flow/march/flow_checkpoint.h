@@ -14,7 +14,8 @@ inline constexpr int kRevision = 7;
 /// What a result depends on: the case, and the options that matter to its bits.
 std::string case_text(const FlowCase& flow, const FlowOptions& options);
 
-/// The whole state, at once under its name: a run that goes on from it takes the same bits as one that was not interrupted.
+/// The whole state, at once under its name: a run that goes on from it takes the same bits as one that was not
+/// interrupted.
 void save_checkpoint(FlowRun& run, const std::filesystem::path& path);
 
 /// @returns false if there is no such file @throws InputError if it is of another case, or damaged

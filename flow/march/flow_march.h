@@ -22,25 +22,26 @@
 ///
 ///   div u = 0,   du/dt + div(u u) = -grad p + div(2 (nu + nu_T) S) + f,   p includes 2k/3
 ///
-/// with k and eps after k_epsilon.h where there is turbulence. All is in units of a length, a speed and a density of the
-/// case; nu is then 1/Re.
+/// with k and eps after k_epsilon.h where there is turbulence. All is in units of a length, a speed and a
+/// density of the case; nu is then 1/Re.
 namespace samara::flow {
 
 struct FlowSetup {
   MacGrid grid;
   Borders borders;
   std::optional<PlacedShape> body = {};
-  /// Where the body is at a time; empty: held where it was placed. The openness of faces is measured anew in every step, and
-  /// what the body sweeps is a source of the divergence (projection.h).
+  /// Where the body is at a time; empty: held where it was placed. The openness of faces is measured anew in every
+  /// step, and what the body sweeps is a source of the divergence (projection.h).
   BodyPath path = {};
   double viscosity = 0.0;
   Eigen::Vector3d body_force = Eigen::Vector3d::Zero();
   AdvectionScheme scheme = AdvectionScheme::van_leer;
   TurbulenceModel turbulence = TurbulenceModel::none;
   PressureSolverKind pressure = PressureSolverKind::automatic;
-  /// Largest share of a cell that flows out of it in a step, all directions together. Up to 0.5 k and eps stay positive.
+  /// Largest share of a cell that flows out of it in a step, all directions together. Up to 0.5 k and eps stay
+  /// positive.
   double courant = 0.45;
-  /// Guard of nu_T, of which k_epsilon.h speaks.
+  /// Guard of nu_T, which k_epsilon.h describes.
   double largest_eddy_viscosity = 0.2;
   /// Largest h div u/U that is left.
   double divergence = 1e-8;
@@ -58,8 +59,8 @@ struct StepReport {
 
 class FlowMarch {
  public:
-  /// @throws ArgumentError if the borders do not fit together, the body is thinner than two cells or reaches a border, or
-  /// a number is not positive.
+  /// @throws ArgumentError if the borders do not fit together, the body is thinner than two cells or reaches a
+  /// border, or a number is not positive.
   explicit FlowMarch(FlowSetup setup);
 
   /// Velocity at the start by place, component by component at the centres of its faces; then made free of divergence.
@@ -67,7 +68,8 @@ class FlowMarch {
   void set_velocity(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& velocity);
   void set_turbulence(double k, double epsilon);
 
-  /// The longest step that the velocity allows now, and the body's, which shall not move by more than half a cell in it.
+  /// The longest step that the velocity allows now, and the body's, which shall not move by more than half a cell in
+  /// it.
   double allowed_step();
   /// @param step where more than half a cell flows out in it, parallel streams become unstable
   /// @throws ArgumentError if the body's path is not finite, leaps, or comes to a border

@@ -23,8 +23,8 @@ struct FlowRun {
       : march(std::move(setup)), mean(empty_mean()), text(std::move(case_text)) {}
 
   FlowMean empty_mean() const { return {FieldAverage(march.grid(), march.turbulence() != nullptr), {}}; }
-  /// Of periods that have ended: what is averaged, or looked at until the drag has settled. Where the mean holds the end of a
-  /// transient, it begins anew, and is kept until the new one has five periods.
+  /// Of periods that have ended: what is averaged, or looked at until the drag has settled. Where the mean holds the
+  /// end of a transient, it begins anew, and is kept until the new one has five periods.
   /// @param share to which the mean drag is to be known
   void add_period(const PeriodMeans& period, double share);
   /// The mean to give, if nothing follows.

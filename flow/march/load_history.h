@@ -49,18 +49,19 @@ class PeriodCounter {
 
 /// Whether the mean drag over the last five periods is within 2 % of that over the five before them.
 bool is_settled(const std::vector<PeriodMeans>& periods);
-/// Whether the mean drag is known to a share of itself: at least five periods, half the 95 % interval below it, and the
-/// means of the first and the second half no further apart, so that no slow drift passes for a mean; nor is the deviation of
-/// the lift, which shows shedding that grows long before the drag does, by more than a tenth. Deviations below 0.02 may fall,
-/// and not grow: between the start and shedding, a symmetric body may have the drag of its steady flow for 60 l/U.
+/// Whether the mean drag is known to a share of itself: at least five periods, half the 95 % interval below it,
+/// and the means of the first and the second half no further apart, so that no slow drift passes for a mean; nor
+/// is the deviation of the lift, which shows shedding that grows long before the drag does, by more than a
+/// tenth. Deviations below 0.02 may fall, and not grow: between the start and shedding, a symmetric body may
+/// have the drag of its steady flow for 60 l/U.
 bool is_known(const std::vector<PeriodMeans>& periods, double share);
-/// Whether what was averaged holds the end of a transient, which would stay in the mean for long: at least ten periods, of
-/// whose halves the drags are further apart than that share, or the deviations of the lift by more than a tenth, and either by
-/// more than twice Student's 95 % of the difference, from the scatter within the halves.
+/// Whether what was averaged holds the end of a transient, which would stay in the mean for long: at least ten
+/// periods, of whose halves the drags are further apart than that share, or the deviations of the lift by more than a
+/// tenth, and either by more than twice Student's 95 % of the difference, from the scatter within the halves.
 bool holds_transient(const std::vector<PeriodMeans>& periods, double share);
 
-/// Means of the last whole periods of a given length that fit into the second half of a history, or of one that does not fit;
-/// with the length 0, of that half as one.
+/// Means of the last whole periods of a given length that fit into the second half of a history, or of one that does
+/// not fit; with the length 0, of that half as one.
 std::vector<PeriodMeans> last_periods(const std::vector<LoadRecord>& history, double period);
 
 /// Of drag over whole periods, weighted by their lengths.

@@ -32,17 +32,18 @@ struct StepRecord {
   std::array<FaceField, 3> increment;
 };
 
-/// The first half of a step of the projection method, incremental in the pressure (K. Goda; J. van Kan, SIAM J. Sci. Stat.
-/// Comput. 7 (1986) 870), for the control volumes of openness.h:
+/// The first half of a step of the projection method, incremental in the pressure (K. Goda; J. van Kan, SIAM J. Sci.
+/// Stat. Comput. 7 (1986) 870), for the control volumes of openness.h:
 ///
 ///   V du/dt = - sum of fluxes - a grad p - losses to walls
 ///
-/// Beside a body that moves, what flows into a control volume is not what flows out: the body sweeps the rest. There V du/dt
-/// gains u times that difference, so that a uniform velocity stays uniform, and walls take momentum by the velocity relative
-/// to them.
+/// Beside a body that moves, what flows into a control volume is not what flows out: the body sweeps the rest.
+/// There V du/dt gains u times that difference, so that a uniform velocity stays uniform, and walls take
+/// momentum by the velocity relative to them.
 ///
-/// Advection takes the velocity extrapolated to the middle of the step (Adams-Bashforth), diffusion is Crank-Nicolson in
-/// directional factors, walls take momentum implicitly. Second order in time where no wall is seen through conductances.
+/// Advection takes the velocity extrapolated to the middle of the step (Adams-Bashforth), diffusion is
+/// Crank-Nicolson in directional factors, walls take momentum implicitly. Second order in time where
+/// no wall is seen through conductances.
 class MomentumStep {
  public:
   /// @param grid, borders, open must outlive this object
@@ -60,7 +61,8 @@ class MomentumStep {
   /// Flux through the lower face across j of the control volume of face (d, c) that the last step took, implicit parts
   /// included [U^2 per area].
   double flux_taken(const FlowState& state, int d, int j, Index c) const;
-  /// Volume that flowed into the control volume of a face in the last step, per area [U]: 0, but beside a body that moves.
+  /// Volume that flowed into the control volume of a face in the last step, per area [U]: 0, but beside a body that
+  /// moves.
   double volume_taken(int d, Index c) const;
   /// u_d that was carried in the last step, extrapolated to its middle.
   double carried(int d, Index c) const {

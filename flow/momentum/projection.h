@@ -10,8 +10,9 @@
 
 namespace samara::flow {
 
-/// The second half of a step: the gradient that makes u* free of divergence: sum over a cell's faces of a u = 0, and where
-/// a body moves, of a u + (1 - a) u_body (Y. Ng, C. Min, F. Gibou 2009): what it sweeps, the fluid makes way for.
+/// The second half of a step: the gradient that makes u* free of divergence: sum over a cell's
+/// faces of a u = 0, and where a body moves, of a u + (1 - a) u_body (Y. Ng, C. Min, F. Gibou
+/// 2009): what it sweeps, the fluid makes way for.
 class Projection {
  public:
   /// @param grid, borders, open must outlive this object

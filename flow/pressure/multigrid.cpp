@@ -31,7 +31,8 @@ void relax_row(const PoissonMatrix& matrix, Index row, Index start, const double
                          wy[i + sy] * p[i + sy] + wz[i] * p[i - sz] + wz[i + sz] * p[i + sz]);
 }
 
-/// The same in the plane, by eights: the cells between are written as they were, so that nobody else may look at the row.
+/// The same in the plane, by eights: the cells between are written as they were, so that nobody else may look at the
+/// row.
 void relax_row_by_eights(const PoissonMatrix& matrix, Index row, Index start, const double* b, double* x) {
   using Places = long long __attribute__((vector_size(64)));
   constexpr Places kEven = {-1, 0, -1, 0, -1, 0, -1, 0};
@@ -116,9 +117,9 @@ void MultigridSolver::sweep(Level& level, int colour) const {
   });
 }
 
-/// Half-sweeps over one colour after the other. A row is done with a half-sweep when its neighbours are with the one before:
-/// in the plane all of them go over the grid together, each a row behind the one before it, while the rows are near. The
-/// numbers are those of one after the other.
+/// Half-sweeps over one colour after the other. A row is done with a half-sweep when its neighbours are with the one
+/// before: in the plane all of them go over the grid together, each a row behind the one before it, while the rows
+/// are near. The numbers are those of one after the other.
 void MultigridSolver::smooth(Level& level, int sweeps, int first_colour, bool from_zero) const {
   const PoissonMatrix& matrix = level.matrix;
   const MacGrid& grid = matrix.grid;

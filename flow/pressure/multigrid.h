@@ -7,8 +7,9 @@
 
 namespace samara::flow {
 
-/// Conjugate gradients preconditioned by one V(2,2) cycle: red-black Gauss-Seidel, in reverse on the way up so that the
-/// preconditioner is symmetric; piecewise constant transfer; grids down to single cells. All memory is taken at the start.
+/// Conjugate gradients preconditioned by one V(2,2) cycle: red-black Gauss-Seidel, in reverse on the
+/// way up so that the preconditioner is symmetric; piecewise constant transfer; grids down to single
+/// cells. All memory is taken at the start.
 class MultigridSolver final : public PressureSolver {
  public:
   explicit MultigridSolver(PoissonMatrix matrix);

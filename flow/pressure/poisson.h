@@ -10,10 +10,10 @@
 ///
 ///   sum over the faces of a cell of w_f (p_cell - p_neighbour) = b_cell
 ///
-/// in units of the grid. The weights w are a^2/V: the open area twice, because it weighs the divergence and the pressure's
-/// force, over the volume of the control volume. At an outflow p is 0 on the border itself, half a cell away: the face
-/// counts twice. Borders where the velocity is given have no weight. The matrix is symmetric and positive, semidefinite
-/// where no outflow fixes the level of the pressure.
+/// in units of the grid. The weights w are a^2/V: the open area twice, because it weighs the divergence and the
+/// pressure's force, over the volume of the control volume. At an outflow p is 0 on the border itself, half a cell
+/// away: the face counts twice. Borders where the velocity is given have no weight. The matrix is symmetric and
+/// positive, semidefinite where no outflow fixes the level of the pressure.
 namespace samara::flow {
 
 struct PoissonMatrix {

@@ -9,7 +9,7 @@ namespace samara::flow {
 enum class PressureSolverKind {
   automatic,  ///< multigrid: faster than triangular solves at every size that was measured
   multigrid,  ///< conjugate gradients, preconditioned by one V-cycle
-  direct,     ///< factorised once by pgd/sparse_solver.h: bodies that are held, in the plane
+  direct,     ///< factorised once by pgd/linear/sparse_solver.h: bodies that are held, in the plane
 };
 
 /// How one solve went.
@@ -22,8 +22,9 @@ struct PressureSolve {
 class PressureSolver {
  public:
   virtual ~PressureSolver() = default;
-  /// A x = b to a largest residual of `tolerance`, from x as it is. b is made to sum to 0 first where nothing fixes the
-  /// level; the mean of x is then 0. Margins of x are filled at periodic borders; elsewhere they must be 0, and stay so.
+  /// A x = b to a largest residual of `tolerance`, from x as it is. b is made to sum to 0 first where
+  /// nothing fixes the level; the mean of x is then 0. Margins of x are filled at periodic borders;
+  /// elsewhere they must be 0, and stay so.
   virtual PressureSolve solve(Field& b, Field& x, double tolerance) = 0;
   /// For another body, or one that has moved, on the same grid. @throws ArgumentError as make_pressure_solver() does
   virtual void set_matrix(const PoissonMatrix& matrix) = 0;

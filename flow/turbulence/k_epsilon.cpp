@@ -216,10 +216,10 @@ void KEpsilon::advance(const FaceField& velocity, double step) {
   fill_margins(grid_, borders_, epsilon, given_epsilon_);
 }
 
-/// Cells from `first` to `end`, at most kTogether: half of the decay, production, half of the decay, each exact. With z = 1 +
-/// (C_2 - 1) eps/k dt/2 a half of the decay takes k by z^(-1/(C_2 - 1)) and eps/k by 1/z. Production of one strain, G/k =
-/// C_mu |S|^2 k/eps, takes k by w^(1/(C_1 - 1)) and eps/k by w = 1 + (C_1 - 1) G/k dt: eps grows faster than k, so that
-/// little energy in large eddies does not grow without bounds in a step.
+/// Cells from `first` to `end`, at most kTogether: half of the decay, production, half of the decay, each exact. With
+/// z = 1 + (C_2 - 1) eps/k dt/2 a half of the decay takes k by z^(-1/(C_2 - 1)) and eps/k by 1/z. Production of one
+/// strain, G/k = C_mu |S|^2 k/eps, takes k by w^(1/(C_1 - 1)) and eps/k by w = 1 + (C_1 - 1) G/k dt: eps grows faster
+/// than k, so that little energy in large eddies does not grow without bounds in a step.
 void KEpsilon::act_in_fluid(Index first, Index end, double step, Sums& sums) {
   constexpr double kFall = -1.0 / (Constants::C_2 - 1.0), kRise = Constants::C_1 - 1.0;
   const double half = 0.5 * step * (Constants::C_2 - 1.0);

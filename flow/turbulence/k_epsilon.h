@@ -11,20 +11,22 @@
 #include "samara/flow/turbulence/monotone_transport.h"
 #include "samara/flow/turbulence/wall_law.h"
 
-/// The k-epsilon model at high Reynolds number (W. Jones, B. Launder, Int. J. Heat Mass Transfer 15 (1972) 301; constants
-/// of Launder and Spalding 1974), with the law of the wall:
+/// The k-epsilon model at high Reynolds number (W. Jones, B. Launder, Int. J. Heat Mass Transfer 15 (1972) 301;
+/// constants of Launder and Spalding 1974), with the law of the wall:
 ///
 ///   dk/dt   + div(u k)   = div((nu + nu_T/s_k) grad k)   + G - eps
 ///   deps/dt + div(u eps) = div((nu + nu_T/s_e) grad eps) + (eps/k)(C_1 G - C_2 eps),   nu_T = C_mu k^2/eps
 ///   G = nu_T |S|^2, or nu_T |S| |W| (M. Kato, B. Launder 1993): less of it where a flow stagnates;
 ///   |S|^2 = 2 S:S, |W|^2 = 2 W:W
 ///
-/// Each part is solved so that it keeps k and eps positive: transport within bounds (monotone_transport.h), production
-/// and decay are exact, one between two halves of the other: homogeneous turbulence is of second order in the step. Nothing is clipped; the guard
-/// nu_T <= `largest_eddy_viscosity` counts where it acts, and a developed flow must not need it.
+/// Each part is solved so that it keeps k and eps positive: transport within bounds (monotone_transport.h),
+/// production and decay are exact, one between two halves of the other: homogeneous turbulence is of second
+/// order in the step. Nothing is clipped; the guard nu_T <= `largest_eddy_viscosity` counts where it acts,
+/// and a developed flow must not need it.
 namespace samara::flow {
 
-/// Of a stream of intensity I = u'/U whose eddies are 7 % of a length: k = 1.5 (I U)^2, eps = C_mu^{3/4} k^{3/2}/(0.07 l).
+/// Of a stream of intensity I = u'/U whose eddies are 7 % of a length: k = 1.5 (I U)^2, eps = C_mu^{3/4}
+/// k^{3/2}/(0.07 l).
 std::array<double, 2> stream_turbulence(double intensity, double speed, double length);
 
 /// What happened to the sum of V k in a step [h^dimensions U^2].
@@ -55,8 +57,8 @@ class KEpsilon {
   Field k, epsilon;
 
   const EnergyBudget& budget() const { return budget_; }
-  /// Cells where k or eps was not positive in the last step, when it was carried there or at the end: never, if the step
-  /// kept to its limit.
+  /// Cells where k or eps was not positive in the last step, when it was carried there or at the end:
+  /// never, if the step kept to its limit.
   long not_positive() const { return not_positive_; }
   /// Cells where the guard of nu_T acts.
   long guarded() const { return guarded_; }

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-/// The logarithmic law beside a wall, in the form that k carries (B. Launder, D. Spalding, Comput. Methods Appl. Mech. Eng. 3
-/// (1974) 269): u_tau = C_mu^{1/4} k^{1/2} does not vanish where the flow separates.
+/// The logarithmic law beside a wall, in the form that k carries (B. Launder, D. Spalding, Comput. Methods Appl.
+/// Mech. Eng. 3 (1974) 269): u_tau = C_mu^{1/4} k^{1/2} does not vanish where the flow separates.
 namespace samara::flow {
 
 /// Constants of the model, as Launder and Spalding give them.

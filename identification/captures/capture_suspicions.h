@@ -26,13 +26,14 @@ namespace samara::identification {
 ///  - quaternions that are not of unit length.
 /// Positions are x, y, z in m; angles are theta, phi, psi, roll, pitch, yaw in rad. Other quantities may be
 /// constant, or jump.
+/// @throws as check_sizes()
 // clang-format on
 std::vector<std::string> suspicions(const Capture& capture, bool falls = true);
 
 /// What is suspicious about captures, each sentence with the id of its capture. Sentences that differ in
 /// their numbers alone are said of the first capture, with the ids of the others.
-/// @param falls whether a body of the model that is let go falls: one in balance accelerates by far less than g, and its
-/// lengths are right
+/// @param falls whether a body of the model that is let go falls: one in balance accelerates by far
+/// less than g, and its lengths are right
 std::vector<std::string> suspicions_of_all(std::span<const Capture> captures, bool falls = true);
 
 /// @param sentences each with the id of its capture

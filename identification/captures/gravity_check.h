@@ -14,8 +14,8 @@
 /// elsewhere than the model.
 namespace samara::identification {
 
-/// Whether a body of the model falls or rises when it is let go: at rest it accelerates by 0.5 m/s^2 or more, or the model does not
-/// say where it is.
+/// Whether a body of the model falls or rises when it is let go: at rest it accelerates by 0.5 m/s^2 or more,
+/// or the model does not say where it is.
 bool falls(const models::ParametricModel& equations, std::span<const double> q);
 
 /// Warnings, one sentence each, as of suspicions_of_all(). None where the body has hardly a weight (at rest

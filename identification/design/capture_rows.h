@@ -27,8 +27,7 @@ struct CaptureRows {
   Eigen::MatrixXd normal() const;
 };
 
-/// The part of the coefficients, own unknowns eliminated. What own unknowns are not determined leaves nothing
-/// behind.
+/// The part of the coefficients, own unknowns eliminated. Own unknowns that are not determined leave nothing in it.
 Eigen::MatrixXd eliminated(const Eigen::MatrixXd& normal, int coefficients);
 
 /// One capture more as the fit would see it. Holds the scratch space of one thread.

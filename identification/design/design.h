@@ -93,8 +93,8 @@ struct ExpectedError {
   std::string name = {};
   std::string unit = {};
   double value = 0.0;
-  double now =
-      0.0;  ///< standard error of the fit; where it gave none, that of a uniform distribution over the box
+  /// Standard error of the fit; where it gave none, that of a uniform distribution over the box.
+  double now = 0.0;
   bool was_determined = true;  ///< whether the fit gave one
   double expected = 0.0;       ///< after the proposed captures: root mean square over draws
 };

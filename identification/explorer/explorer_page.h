@@ -40,9 +40,8 @@ inline constexpr double kMostExplorerBytes = 20e6;
 inline constexpr int kMostExplorerTriangles = 5000;
 
 /// @throws ArgumentError if there is no book, an output is unknown to all of them, the factors that the outputs need
-///   exceed kMostExplorerBytes, the body has more than kMostExplorerTriangles, `times` is not from 2 to 5000, or the fit is
-///   of another model; InputError where a file
-///   of a book turns out damaged.
+///   exceed kMostExplorerBytes, the body has more than kMostExplorerTriangles, `times` is not from 2 to 5000, or the
+///   fit is of another model; InputError where a file of a book turns out damaged.
 ExplorerPage explorer_page(const ExplorerContent& content);
 
 }  // namespace samara::identification

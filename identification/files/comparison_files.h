@@ -20,8 +20,8 @@
 namespace samara::identification {
 
 struct ComparisonRequest {
-  std::vector<std::filesystem::path> configs =
-      {};                                 ///< TOML; their [prediction] says what is seen, and how far ahead
+  /// TOML; their [prediction] says what is seen, and how far ahead.
+  std::vector<std::filesystem::path> configs = {};
   std::vector<std::string> sources = {};  ///< models or codebooks: one for all, or one for each config
   std::vector<std::filesystem::path> captures = {};
   std::filesystem::path sidecar = {};  ///< of every table; empty: those beside them
@@ -35,8 +35,8 @@ struct ComparisonRequest {
 
 /// Of each config, the captures that its [prediction] fits or leaves out: all, where it says neither. Its own folds are
 /// not looked at.
-/// @throws ArgumentError for a request that makes no sense and for captures that do not suit a source; InputError naming
-/// the file for everything wrong in one.
+/// @throws ArgumentError for a request that makes no sense and for captures that do not suit a source; InputError
+/// naming the file for everything wrong in one.
 ModelComparison compare_files(const ComparisonRequest& request);
 
 }  // namespace samara::identification

@@ -24,8 +24,8 @@ namespace samara::identification {
 
 struct FitRequest {
   std::string source = {};  ///< the file of a codebook, or the name of a model
-  std::vector<std::filesystem::path> captures =
-      {};  ///< to fit: tables, sidecars (".toml"), or one PEtab problem (".yaml")
+  /// To fit: tables, sidecars (".toml"), or one PEtab problem (".yaml").
+  std::vector<std::filesystem::path> captures = {};
   std::vector<std::filesystem::path> left_out = {};  ///< to predict, likewise
   /// In memory, in place of `source`: one of the two.
   std::shared_ptr<const codebooks::Codebook> book = {};

@@ -25,8 +25,8 @@ struct FitSource {
   std::shared_ptr<const models::Model> model;       ///< null for a codebook
   std::optional<SeriesOptions> series;              ///< only with a model
   std::shared_ptr<const codebooks::Codebook> book;  ///< null for a model
-  std::shared_ptr<const codebooks::Codebook>
-      cover;  ///< of a model: gives the trajectories that it covers; or null
+  /// Of a model: gives the trajectories that it covers; or null.
+  std::shared_ptr<const codebooks::Codebook> cover;
   std::unique_ptr<models::TrajectoryFamily> family;
   FitOptions options;
   PredictionConfig prediction;

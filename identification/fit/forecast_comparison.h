@@ -14,8 +14,8 @@
 
 /// Which model? Forecasts of the same captures by several models, side by side, and beside the baselines.
 ///
-/// Where predictions are made as distributions (PredictionOptions::mixture), each model also stands as "NAME, mixed", the
-/// mixture that its fits train, and all by their continuous ranked probability score (forecasts/proper_scores.h).
+/// Where predictions are made as distributions (PredictionOptions::mixture), each model also stands as "NAME, mixed",
+/// the mixture that its fits train, and all by their continuous ranked probability score (forecasts/proper_scores.h).
 ///
 /// Each model's errors come from cross_validated_errors(), so that no capture helps to predict itself. Compared are the
 /// forecasts that all models make, pair by pair, by their median and their root mean square. The error of a difference
@@ -57,8 +57,8 @@ struct ComparedPredictor {
 struct ComparedQuantity {
   std::string quantity = {}, unit = {};
   int forecasts = 0, clusters = 0;
-  std::string best_by_median = {}, best_by_rms = {},
-              best_by_crps = {};                   ///< of the plain baselines; empty: none
+  /// Of the plain baselines; empty: none.
+  std::string best_by_median = {}, best_by_rms = {}, best_by_crps = {};
   std::vector<ComparedPredictor> predictors = {};  ///< the models in their order, mixtures, baselines
 };
 
@@ -75,7 +75,8 @@ struct ResamplingOptions {
 void check_resampling(const ResamplingOptions& options);
 
 /// A quantity that no forecast is common for is left out.
-/// @throws ArgumentError without a model, for a number of replicates that is refused, and for a capture without a cluster
+/// @throws ArgumentError without a model, for a number of replicates that is refused, and for a capture without a
+/// cluster
 std::vector<ComparedQuantity> compare_forecasts(std::span<const ForecastsOfModel> models,
                                                 const ClusterOfCapture& clusters,
                                                 const ResamplingOptions& options = {});

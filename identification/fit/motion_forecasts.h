@@ -55,7 +55,8 @@ class MotionForecasts {
   /// @param reach s, of the last frame that is asked about
   std::vector<std::string> lacks(double reach) const;
 
-  /// A sentence with the shares at the end of the way, and whether views that are given count; empty if there are none.
+  /// A sentence with the shares at the end of the way, or as far as anything was learned, and whether views that are
+  /// given count; empty if there are none.
   std::string shares(std::size_t quantity) const;
 
  private:

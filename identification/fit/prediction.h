@@ -18,7 +18,7 @@
 ///
 /// Of each such capture the first `span` seconds are seen, attitudes too if the fit compared them: its own
 /// unknowns (initial values, offsets, and known coordinates of which it has no value) are fitted there with
-/// the coefficients held, and the model is carried on. Baselines (prediction_score.h) see the same span.
+/// the coefficients held, and the model is carried on. Baselines (forecasts/baseline_scores.h) see the same span.
 /// Compared are the frames that follow, up to `ahead` seconds after the span.
 ///
 ///     const FitResult result = fit(*family, training, options);
@@ -58,13 +58,12 @@ struct Folds {
   std::optional<std::uint64_t> seed = {};
 };
 
-/// Scores of the model and of every baseline, for each quantity that was fitted or is measured besides:
-/// outputs that are lengths together, as the distance in space ("position"), velocities and rates likewise
-/// ("velocity", "angular velocity"), the attitude by the angle of the turn between; every other output by
-/// itself. For each, two scores: over all frames ahead
-/// ("position, up to 0.1 s ahead"; less where no capture goes so far), and of the last one, within the last
-/// tenth of the way ("position, 0.1 s ahead"). Captures that have too few frames in the span or none beyond
-/// are left out of all scores; those on which the fit of the span fails, of the model's. A score that no
+/// Scores of the model and of every baseline, for each quantity that was fitted or is measured besides: outputs that
+/// are lengths together, as the distance in space ("position"), velocities and rates likewise ("velocity", "angular
+/// velocity"), the attitude by the angle of the turn between; every other output by itself. For each, two scores:
+/// over all frames ahead ("position, up to 0.1 s ahead"; less where no capture goes so far), and of the last one,
+/// within the last tenth of the way ("position, 0.1 s ahead"). Captures that have too few frames in the span or none
+/// beyond are left out of all scores; those on which the fit of the span fails, of the model's. A score that no
 /// capture counts for is left out. After the scores of all captures follow those of each.
 /// @param fitted made by fit() or by read_fit(); its coefficients are held at their values, unless `options`
 ///   makes them each capture's own

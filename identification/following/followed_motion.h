@@ -35,8 +35,8 @@ struct FollowedMotion {
   Eigen::VectorXd times = {};        ///< s, of frames
   Eigen::VectorXd state_times = {};  ///< s, of states: half a mean of frames earlier
   std::vector<FollowedFrame> frames = {};
-  Eigen::MatrixXd values = {},
-                  errors = {};  ///< SI; the most likely hypothesis after the frame, and standard errors
+  /// SI; the most likely hypothesis after the frame, and standard errors.
+  Eigen::MatrixXd values = {}, errors = {};
   /// The same in the light of all frames; NaN for frames that were not followed.
   Eigen::MatrixXd smoothed_values = {}, smoothed_errors = {};
   double log_likelihood = 0.0;  ///< of all frames after starts, each before it was seen
@@ -48,7 +48,7 @@ struct FollowedMotion {
 };
 
 /// Values of a frame in the order of Follower::measured(), NaN where the capture has no such channel.
-/// @throws ArgumentError if it measures none of them; ArgumentError or InputError for one in a unit of another dimension
+/// @throws as refuse() if it measures none of them, or one in a unit of another dimension
 Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& info, const Capture& capture);
 
 /// @param ahead s, of the forecast beyond each frame

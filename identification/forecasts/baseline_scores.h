@@ -71,7 +71,7 @@ Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::
 
 /// By how much the noise of single values grows on the way to a time: the root of the sum of squares of the weights
 /// with which the baseline adds them up; the largest of all components. For the measured velocity these are weights of
-/// rates, in s; a point with drag counts as a parabola. NaN where the baseline is silent.
+/// rates, in s; a point with drag counts as a parabola. NaN where the baseline gives none.
 /// @throws ArgumentError as predict()
 double noise_gain(Baseline baseline, const SeenMotion& span, double time);
 

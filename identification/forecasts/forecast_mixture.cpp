@@ -83,7 +83,7 @@ Eigen::MatrixXd weighted(std::span<const Eigen::MatrixXd> said, const Eigen::Vec
       sum.row(row) += share * said[m].row(row);
       together += share;
     }
-    sum.row(row) /= together;  // 0/0 where none speaks
+    sum.row(row) /= together;  // 0/0 where none gives a forecast
   }
   return sum;
 }
@@ -152,9 +152,9 @@ void fit_two_normals(const std::vector<double>& errors, Eigen::Vector2d& weights
   }
 }
 
-/// How much wider the 90 % band of Student's distribution is than a normal one: exact for one and two degrees of freedom,
-/// else z = 1.645 in the expansion of Fisher and Cornish (Technometrics 2 (1960) 209-225), to the second power of
-/// 1/freedom.
+/// How much wider the 90 % band of Student's distribution is than a normal one: exact for one and two
+/// degrees of freedom, else z = 1.645 in the expansion of Fisher and Cornish (Technometrics 2 (1960)
+/// 209-225), to the second power of 1/freedom.
 double student_widening(double freedom) {
   constexpr double kNormal = 1.6449, kOfOne = 6.3138, kOfTwo = 2.9200;  // quantiles at 95 %
   if (freedom < 1.5) return kOfOne / kNormal;

@@ -18,16 +18,17 @@ namespace samara::identification {
 
 /// Shares of predictors, 0 or more and 1 together, with which the weighted mean of what they said was nearest
 /// to what came: least squares, robust (Huber), of distances over all components.
-/// @param said by each predictor, moments x components; moments of which one is silent (NaN) are left out
+/// @param said by each predictor, moments x components; moments in which one gives none (NaN) are left out
 /// @returns one share each; all on the first if no moment is left
 /// @throws ArgumentError for no predictor and shapes that differ
 Eigen::VectorXd convex_shares(std::span<const Eigen::MatrixXd> said, const Eigen::MatrixXd& measured);
 
-/// What predictors say together. Where one is silent the others take its share; NaN where all with a share are.
+/// What predictors say together. Where one gives no forecast the others take its share; NaN where none with a share
+/// gives one.
 Eigen::MatrixXd weighted(std::span<const Eigen::MatrixXd> said, const Eigen::VectorXd& shares);
 
-/// How far those predictors that speak lie apart in each moment: root of the mean squared distance from their
-/// mean; 0 where none or one speaks.
+/// How far those predictors that give a forecast lie apart in each moment: root of the mean squared distance from
+/// their mean; 0 where none or one gives it.
 Eigen::VectorXd disagreement(std::span<const Eigen::MatrixXd> said);
 
 /// Errors of a predictor: a mean, and two normals about it (heavier tails than one). Both deviations vary with signs

@@ -14,7 +14,7 @@ std::span<const Eigen::MatrixXd> baselines_of(const std::vector<Eigen::MatrixXd>
   return std::span(said).subspan(1, all_baselines().size());
 }
 
-/// Those that take part: who is silent in most moments does not.
+/// Those that take part: all but those that give no forecast in most moments.
 std::vector<std::size_t> speakers(std::span<const Eigen::MatrixXd> said,
                                   const std::vector<Eigen::Index>& rows) {
   std::vector<std::size_t> result;
@@ -65,7 +65,7 @@ Eigen::RowVectorXd features_of(const SeenMotion& seen, double disagreement) {
 
 /// Of how large errors are (ErrorDistribution), as logarithms: speed, novelty, and how far predictors lie apart, which
 /// the mixture alone knows.
-/// @param disagreement unknown where 0: fewer than two predictors speak
+/// @param disagreement unknown where 0: fewer than two predictors give a forecast
 Eigen::RowVectorXd signs_of(const SeenMotion& seen, double novelty, double disagreement) {
   Eigen::RowVectorXd signs(3);
   signs << std::log(recent_rates(seen).row(0).norm() + kLeastFeature), std::log(novelty + kLeastFeature),
@@ -73,7 +73,7 @@ Eigen::RowVectorXd signs_of(const SeenMotion& seen, double novelty, double disag
   return signs;
 }
 
-/// One row of what some predictors say, by shares; those that are silent leave theirs to the others.
+/// One row of what some predictors say, by shares; those that give no forecast leave theirs to the others.
 Eigen::RowVectorXd mixed(const std::vector<Eigen::MatrixXd>& said, const std::vector<std::size_t>& which,
                          const Eigen::VectorXd& shares, Eigen::Index row) {
   std::vector<Eigen::MatrixXd> rows;
@@ -91,8 +91,8 @@ double way_of(const AskedMoment& asked) {
   return times.size() > 0 ? asked.time - times[times.size() - 1] : kSilence;
 }
 
-/// What the predictors that are not mixtures say: model, baselines, and in the last place the autoregression, which is
-/// silent here; a row a moment.
+/// What the predictors that are not mixtures say: model, baselines, and in the last place the autoregression, which
+/// gives none here; a row a moment.
 std::vector<Eigen::MatrixXd> said_by_baselines(std::span<const AskedMoment> moments) {
   const std::size_t count = all_baselines().size() + 2;
   const Eigen::Index columns = moments.empty() ? 0 : moments.front().moment.seen.positions.cols();
@@ -174,7 +174,7 @@ TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> all_moment
   result.of_baselines_ = shares_of(baselines_of(said), measured, all);
   result.mixed_ = speakers(said, asked);
   const Eigen::VectorXd disagreements = disagreement_of(said);
-  // Shares from moments in which all of these speak.
+  // Shares from moments in which all of these give a forecast.
   std::vector<Eigen::MatrixXd> errors;
   std::vector<Eigen::RowVectorXd> features;
   std::vector<int> clusters;

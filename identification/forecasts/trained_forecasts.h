@@ -15,11 +15,12 @@
 /// training motions.
 ///
 /// Predictors are the model, the plain baselines (baseline_scores.h), the "mixture of baselines" (shares of
-/// convex_shares()), the "autoregression" of training motions, and the "mixture" of model, autoregression and
-/// baselines, with shares that vary with speed, acceleration and disagreement of predictors where that helps
-/// (local_shares.h). All shares and weights come from training moments. Errors of all vary with the speed and the
-/// novelty of the motion (novelty.h), those of the mixture with the disagreement of predictors, too. They come from all
-/// moments in which a predictor speaks; of the mixture, from those without a model only where its share is below a tenth.
+/// convex_shares()), the "autoregression" of training motions, and the "mixture" of model, autoregression
+/// and baselines, with shares that vary with speed, acceleration and disagreement of predictors where that
+/// helps (local_shares.h). All shares and weights come from training moments. Errors of all vary with the
+/// speed and the novelty of the motion (novelty.h), those of the mixture with the disagreement of
+/// predictors, too. They come from all moments in which a predictor gives a forecast; of the mixture, from those
+/// without a model only where its share is below a tenth.
 ///
 /// What training moments taught of a baseline holds for moments in which it is about as sure: where the noise of frames
 /// grows more than twice as much on the way (noise_gain()) as in any training moment, since fewer frames were seen or
@@ -40,15 +41,15 @@ struct AskedMoment {
   double time = 0.0;  ///< s, of the next place, in the times of what was seen
   /// What the model says, fitted without the moment's motion; empty: not asked.
   Eigen::RowVectorXd model = {};
-  /// In training: it is less like those that are to be forecast, as of another body that known numbers tell from theirs,
-  /// and teaches the autoregression alone.
+  /// In training: it is less like those that are to be forecast, as of another body that known numbers tell from
+  /// theirs, and teaches the autoregression alone.
   bool for_autoregression_only = false;
 };
 
 struct SaidForecast {
   std::string predictor;
-  Eigen::RowVectorXd mean = {};           ///< NaN: silent
-  std::vector<NormalMixture> parts = {};  ///< of each component; empty: silent, or no errors are known
+  Eigen::RowVectorXd mean = {};           ///< NaN: no forecast
+  std::vector<NormalMixture> parts = {};  ///< of each component; empty: no forecast, or no errors are known
 };
 
 class TrainedForecasts {
@@ -79,7 +80,7 @@ class TrainedForecasts {
   std::vector<Share> shares() const;
 
  private:
-  /// What mixtures hear of one moment: silence from those that are not as sure as in training.
+  /// What mixtures take of one moment: NaN from those that are not as sure as in training.
   std::vector<Eigen::MatrixXd> heard_by_mixtures(const AskedMoment& asked,
                                                  std::vector<Eigen::MatrixXd> said) const;
 

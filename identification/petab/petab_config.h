@@ -11,8 +11,8 @@ namespace samara::identification {
 
 struct PetabSettings {
   std::map<std::string, double> held = {};  ///< coordinates, SI
-  std::map<std::string, models::Interval> known =
-      {};                                    ///< of each capture, by labels of their names; where they lie
+  /// Of each capture, by labels of their names; where they lie.
+  std::map<std::string, models::Interval> known = {};
   std::map<std::string, double> noise = {};  ///< of outputs; where it is estimated, where that begins
   std::map<std::string, std::string> estimated_noise = {};  ///< output -> parameter
 };

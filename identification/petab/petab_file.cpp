@@ -25,7 +25,7 @@ const std::vector<std::string>& petab_keys() {
   return keys;
 }
 
-/// Without a comment behind it: a # after a blank, or at the beginning.
+/// Without a comment after it: a # after a blank, or at the beginning.
 std::string_view without_comment(std::string_view line) {
   bool in_single = false, in_double = false;
   for (std::size_t k = 0; k < line.size(); ++k) {

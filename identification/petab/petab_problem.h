@@ -13,12 +13,12 @@
 /// Fits as PEtab states them (L. Schmiester et al., PLoS Comput. Biol. 17 (2021) e1008646), version 1: tables of
 /// parameters, conditions, observables and measurements become captures and the config of a fit.
 ///
-/// The model is that of the call, not the SBML file. Numbers are in SI units. Ids are names of the model; an initial value
-/// "v(0)" is called v_0, or, as a column of the conditions, v. Understood are: observables that are one output of the
-/// model, normal noise of one level for each (a number, a parameter held, or one that is estimated), conditions that set
-/// parameters and initial values to numbers or to parameters, bounds, scales, nominal values, and priors that are uniform,
-/// normal, log-normal. All else is refused by its name: preequilibration, observables that are formulas, noise that
-/// changes along a measurement, times without end. Internal to identification/.
+/// The model is that of the call, not the SBML file. Numbers are in SI units. Ids are names of the model; an initial
+/// value "v(0)" is called v_0, or, as a column of the conditions, v. Understood are: observables that are one output
+/// of the model, normal noise of one level for each (a number, a parameter held, or one that is estimated),
+/// conditions that set parameters and initial values to numbers or to parameters, bounds, scales, nominal values, and
+/// priors that are uniform, normal, log-normal. All else is refused by its name: preequilibration, observables that
+/// are formulas, noise that changes along a measurement, times without end. Internal to identification/.
 namespace samara::identification {
 
 struct PetabParameter {
@@ -48,7 +48,8 @@ struct PetabProblem {
 /// The label of a capture that names its condition.
 constexpr const char* kPetabCondition = "simulationConditionId";
 
-/// @param names of the model or codebook that is fitted @param free coordinates that have to be told of: those of a codebook
+/// @param names of the model or codebook that is fitted @param free coordinates that have to be told of: those of a
+/// codebook
 /// @throws InputError with file and line
 PetabProblem read_petab(const std::filesystem::path& path, const ConfigNames& names,
                         const std::vector<std::string>& free = {});

@@ -17,9 +17,9 @@ class Chart {
     linear,       ///< x + d
     logarithmic,  ///< x exp(d)
     held,         ///< not at all
-    quaternion,   ///< q times the turn by the vector d in body axes: four unknowns (w, x, y, z), three
-                  ///< directions
-    axis,         ///< the same, by turns about body x and y alone: where body z points; two directions
+    /// q times the turn by the vector d in body axes: four unknowns (w, x, y, z), three directions.
+    quaternion,
+    axis,  ///< the same, by turns about body x and y alone: where body z points; two directions
   };
 
   Chart() = default;

@@ -13,8 +13,8 @@ struct ComparedValues {
   bool operator==(const ComparedValues&) const = default;
 };
 
-/// How likely a model made what was measured, whatever its unknowns are (FitObjective::evidence()). Of two models of the
-/// same values the difference of the logarithms says how many times more likely one made them.
+/// How likely a model made what was measured, whatever its unknowns are (FitObjective::evidence()). Of two models of
+/// the same values the difference of the logarithms says how many times more likely one made them.
 struct Evidence {
   double log = 0.0;              ///< natural logarithm of the density of all compared values, in SI units
   int values = 0;                ///< compared; an attitude counts as three

@@ -191,8 +191,8 @@ struct BootstrapOptions {
 
 /// Draws of all unknowns from what captures, priors and boxes say of them together: see FitResult::posterior.
 struct PosteriorOptions {
-  int samples =
-      0;  ///< in four chains; 0: none. A thousand tell the ends of a 95 % interval to 7 % of a deviation
+  /// In four chains; 0: none. A thousand tell the ends of a 95 % interval to 7 % of a deviation.
+  int samples = 0;
   std::uint64_t seed = 1;
 };
 

@@ -294,7 +294,8 @@ Outcome<Evidence> laplace_evidence(const models::TrajectoryFamily& family, const
   const auto n = static_cast<double>(data.values);
   const double dispersion = std::exp(2.0 * mode->log_factor);
 
-  // Second derivatives by unknowns and the logarithm of the noise: the slope of the data's part is -2 of it by the noise.
+  // Second derivatives by unknowns and the logarithm of the noise: the slope of the data's part is -2 of it by the
+  // noise.
   const Eigen::MatrixXd H = density.second_derivative(mode->point);
   const Eigen::LLT<Eigen::MatrixXd> llt(H);
   if (llt.info() != Eigen::Success) return no_evidence("captures and priors do not determine all unknowns");

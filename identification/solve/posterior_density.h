@@ -53,7 +53,8 @@ class PosteriorDensity {
   /// count as it weighs them, boxes and turns as uniform distributions.
   Eigen::MatrixXd curvature(const FitPoint& point) const;
 
-  /// Second derivative of -log of the density at the last point, that of trajectories left out; boxes count for nothing.
+  /// Second derivative of -log of the density at the last point, that of trajectories left out; boxes count for
+  /// nothing.
   Eigen::MatrixXd second_derivative(const FitPoint& point) const;
   /// 1/2 sum of rho over the compared values at the last point, and how many they are.
   struct DataCost {

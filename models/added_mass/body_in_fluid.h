@@ -26,16 +26,16 @@ struct BodyInFluid {
   std::vector<std::string> warnings = {};  ///< of what looks like a mistake of units
 };
 
-/// @throws ArgumentError for sizes or densities that are no positive numbers, another number of sizes than the shape has,
-///   a mesh without a unit, a shape with one, panels of a disc; InputError for a mesh file that is none or not closed;
-///   NoResultError where panels have no solution
+/// @throws ArgumentError for sizes or densities that are no positive numbers, another number of sizes than the shape
+///   has, a mesh without a unit, a shape with one, panels of a disc; InputError for a mesh file that is none or not
+///   closed; NoResultError where panels have no solution
 BodyInFluid body_in_fluid(const BodyDescription& description, const ProgressCallback& progress = {});
 
 /// Parameters of the model `kirchhoff_body`, by name; g is left to its default.
 std::map<std::string, double> kirchhoff_parameters(const BodyInFluid& body);
 
-/// Numbers by which falling bodies are classified (scaling_numbers.h), of the largest and the smallest extent: fall speed
-/// scale [m/s], the inertia ratio of the shape, and with a viscosity [Pa s] the Reynolds number of the fall.
+/// Numbers by which falling bodies are classified (scaling_numbers.h), of the largest and the smallest extent: fall
+/// speed scale [m/s], the inertia ratio of the shape, and with a viscosity [Pa s] the Reynolds number of the fall.
 std::map<std::string, double> scaling_numbers(const BodyInFluid& body, std::optional<double> viscosity = {});
 
 }  // namespace samara::models

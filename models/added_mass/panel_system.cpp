@@ -120,8 +120,8 @@ class Assembly {
   // Green's formula at the corners: sets the rows of a block of corners, times weight and lumped mass.
 
   struct GreenLanes {
-    std::vector<double> dipole, sum,
-        rhs;  ///< lanes of: minus the coefficients of phi; their sum; 6 right-hand sides
+    /// Lanes of: minus the coefficients of phi; their sum; 6 right-hand sides.
+    std::vector<double> dipole, sum, rhs;
   };
 
   void set_green_rows(std::size_t block) {
@@ -206,8 +206,8 @@ class Assembly {
   /// For each panel of a block the mean over it of what all others do there.
   struct LoopLanes {
     std::vector<double> potential;  ///< lanes x 3 x corners: Int curl psi_b G
-    Eigen::Matrix<double, 12, Eigen::Dynamic>
-        moving;            ///< columns: Phi = Int n G, T = Int y n^T G (by columns)
+    /// Columns: Phi = Int n G, T = Int y n^T G (by columns).
+    Eigen::Matrix<double, 12, Eigen::Dynamic> moving;
     Eigen::VectorXd lift;  ///< x . Phi
   };
 

@@ -35,8 +35,8 @@ struct PoseStates {
   BodyPose pose(std::span<const double> values) const;
 };
 
-/// By the groups of states of a model, else by the names of its states: x, y (or z) and theta are a motion in a plane; a
-/// single one of x, y, z is one along the vertical, downward where its description says so.
+/// By the groups of states of a model, else by the names of its states: x, y (or z) and theta are a motion in a
+/// plane; a single one of x, y, z is one along the vertical, downward where its description says so.
 /// @returns nothing where the states are no motion of a body
 std::optional<PoseStates> pose_states_of(const ModelInfo& info);
 

@@ -23,16 +23,16 @@ struct PoseKeys {
   bool is_dense = false;  ///< false: there would be more than `most`
 };
 
-/// Halves the intervals between keys, from 64 of equal length on, until the motion at a quarter, at the half and at three
-/// quarters of each is within the limits, or the interval is shorter than a millionth of the whole: a jump, as where
-/// pieces of a codebook meet, stands between two keys. Times increase, as single precision, too.
+/// Halves the intervals between keys, from 64 of equal length on, until the motion at a quarter, at the half and at
+/// three quarters of each is within the limits, or the interval is shorter than a millionth of the whole: a jump, as
+/// where pieces of a codebook meet, stands between two keys. Times increase, as single precision, too.
 /// @param poses_at of times between from and to, which increase
 /// @throws ArgumentError if from < to does not hold, or a limit is not positive
 PoseKeys dense_pose_keys(const std::function<std::vector<BodyPose>(const std::vector<double>&)>& poses_at,
                          double from, double to, const PoseKeyLimits& limits);
 
-/// Keys of a motion that is seen pose by pose, as it goes on: of the poses those between which all others are within the
-/// limits.
+/// Keys of a motion that is seen pose by pose, as it goes on: of the poses those between which all others are within
+/// the limits.
 class PoseTrack {
  public:
   /// @throws ArgumentError if a limit is not positive

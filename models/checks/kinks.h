@@ -28,8 +28,8 @@ struct Kink {
   /// Change of the rate, or of its slope times the scale, over the largest |rate| within the scale.
   double jump = 0.0;
   std::string term = {};  ///< force term that changes most there; empty: the model does not list its forces
-  std::string floor =
-      {};  ///< parameter of the unit of the state to which the distance is proportional; empty: none
+  /// Parameter of the unit of the state to which the distance is proportional; empty: none.
+  std::string floor = {};
 };
 
 /// In one sentence.

@@ -48,8 +48,8 @@ class Tape {
     int a, b, c, to;  ///< places in the scratch space; of fused steps a and b are those of the product
   };
 
-  /// The arguments of a node, with those of a product that goes along with it. None of a leaf, of what nobody needs, and
-  /// of a product that went along.
+  /// The arguments of a node, with those of a product that goes along with it. None of a leaf, of what nobody
+  /// needs, and of a product that went along.
   struct Work {
     Fused fused = Fused::no;
     int a = -1, b = -1, c = -1;  ///< nodes

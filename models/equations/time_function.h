@@ -5,8 +5,8 @@
 
 namespace samara::models {
 
-/// A number that changes in time, by an expression in t (equation_model.h says what may stand in it), with its exact first
-/// and second derivatives: paths, signals.
+/// A number that changes in time, by an expression in t (equation_model.h says what may stand in it), with its exact
+/// first and second derivatives: paths, signals.
 ///
 ///   const TimeFunction x("-0.8*sin(2*pi*0.2*t)");
 ///   x.at(1.5).rate;

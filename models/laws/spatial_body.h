@@ -69,8 +69,8 @@ struct PlacedMasses {
 ///   dP/dt = P x w             + F + m_f R^T DW/Dt - m R^T dW/dt
 ///   dL/dt = L x w + P x u_r   + T + m_f r_b x R^T DW/Dt - m r_c x R^T dW/dt
 ///
-/// which is Kirchhoff's equation for M_body (u, w) + K (u_r, w): what W turns with cancels by Jacobi's identity. F and T
-/// are those of the law at u_r, and what damps rotation is at w_r = w - R^T gust_spin. The Law gives as well
+/// which is Kirchhoff's equation for M_body (u, w) + K (u_r, w): what W turns with cancels by Jacobi's identity. F
+/// and T are those of the law at u_r, and what damps rotation is at w_r = w - R^T gust_spin. The Law gives as well
 ///
 ///   template <class S> static PlacedMasses<S> masses(const S* p);
 ///   static void say_gusts(ModelInfo& info);  // title and equations with W

@@ -47,8 +47,8 @@ struct BodyOnPath {
 struct AirSeen {
   /// Of the fluid [m/s]. Of this and of `rotation` a body takes what it can move by.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  /// gradient(i, j) = d velocity_i/d x_j in the middle of the step, as far as it is known (the mean, and the deviation of
-  /// the gusts) [1/s]: by it the acceleration along the fluid's path differs from that along the body's.
+  /// gradient(i, j) = d velocity_i/d x_j in the middle of the step, as far as it is known (the mean, and the
+  /// deviation of the gusts) [1/s]: by it the acceleration along the fluid's path differs from that along the body's.
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< angular velocity of a rotational gust [rad/s]
   /// In which the air changes along the path [s]: steps should be shorter than a tenth of it
@@ -71,8 +71,8 @@ class AirAlongPath {
   virtual bool needs_response() const { return false; }
 };
 
-/// Vectors and matrices of bodies side by side: a row for each body, a column for each component, so that a component of
-/// all bodies is contiguous.
+/// Vectors and matrices of bodies side by side: a row for each body, a column for each component, so that a
+/// component of all bodies is contiguous.
 using VectorsByLane = Eigen::Array<double, Eigen::Dynamic, 3>;
 using MatricesByLane = Eigen::Array<double, Eigen::Dynamic, 9>;  ///< column after column of each matrix
 

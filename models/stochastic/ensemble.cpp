@@ -29,8 +29,8 @@ double binomial_below(long k, long n, double share) {
   return k >= n ? 1.0 : boost::math::ibetac(static_cast<double>(k) + 1.0, static_cast<double>(n - k), share);
 }
 
-/// Numbers, from 0, of the sorted values between which a quantile lies with 95 %: the tails hold 2.5 % at most each. The
-/// second may be n, the first -1: no value of the sample is so far out.
+/// Numbers, from 0, of the sorted values between which a quantile lies with 95 %: the tails hold 2.5 % at most each.
+/// The second may be n, the first -1: no value of the sample is so far out.
 std::pair<long, long> quantile_ranks(long n, double share) {
   // Value j lies above the quantile where at most j values lie below it.
   const auto ranks = std::views::iota(0L, n);

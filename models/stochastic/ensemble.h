@@ -83,8 +83,8 @@ struct LandingStatistics {
   long landed = 0;
   Estimated t;                                                                           ///< [s]
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), mean_error = Eigen::Vector3d::Zero();  ///< [m]
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero(),
-                  covariance_error = Eigen::Matrix3d::Zero();  ///< [m^2]
+  /// [m^2]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero(), covariance_error = Eigen::Matrix3d::Zero();
   /// Shares 0.05, 0.25, 0.5, 0.75, 0.95 land below these, by coordinate (columns).
   Eigen::Matrix<double, 5, 3> quantiles = Eigen::Matrix<double, 5, 3>::Zero();
   /// Ends of their 95 % intervals, from order statistics, whatever the distribution is; NaN where too few landed. Of

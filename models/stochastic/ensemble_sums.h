@@ -109,8 +109,8 @@ inline void StepCounts::add(double h, double time_scale) {
   ++steps_;
   if (h > 0.1 * time_scale * (1.0 + 1e-9)) ++beyond_tenth_;
   if (h >= 0.3 * time_scale) ++beyond_third_;
-  // The exponent of a double and the first two bits behind it are quarters of octaves, in order. Infinite ones are longer
-  // than all others.
+  // The exponent of a double and the first two bits after it are quarters of octaves, in order.
+  // Infinite ones are longer than all others.
   static_assert(kPerOctave == 4);
   constexpr std::int64_t kOfOne = 1023 * kPerOctave;
   const std::int64_t quarter = (std::bit_cast<std::int64_t>(time_scale) >> 50) - kOfOne;

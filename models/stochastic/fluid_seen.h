@@ -13,13 +13,13 @@
 ///
 /// w has unit variance everywhere, whatever T does, and the drift keeps fluid that is well mixed so (without it
 /// particles gather where k is small). A body that crosses the eddies sees them pass in a shorter time, along its
-/// relative velocity T/sqrt(1 + b^2 s^2), across it T/sqrt(1 + 4 b^2 s^2), with s its mean relative velocity over sigma,
-/// b = 0.565 (6/C_0). The mean is over the last 10 T: of what is random a tenth of the variance is left in it, so that
-/// bodies without a drift through the fluid see T at most a tenth too short. A step is exact for whatever length while T
-/// and the gradient hold.
+/// relative velocity T/sqrt(1 + b^2 s^2), across it T/sqrt(1 + 4 b^2 s^2), with s its mean relative velocity over
+/// sigma, b = 0.565 (6/C_0). The mean is over the last 10 T: of what is random a tenth of the variance is left in it,
+/// so that bodies without a drift through the fluid see T at most a tenth too short. A step is exact for whatever
+/// length while T and the gradient hold.
 ///
-/// D. J. Thomson, J. Fluid Mech. 180 (1987) 529-556; J. D. Wilson, B. J. Legg, D. J. Thomson, Boundary-Layer Meteorol. 27
-/// (1983) 163-169; J.-P. Minier, E. Peirano, Phys. Rep. 352 (2001) 1-214, for crossing trajectories.
+/// D. J. Thomson, J. Fluid Mech. 180 (1987) 529-556; J. D. Wilson, B. J. Legg, D. J. Thomson, Boundary-Layer
+/// Meteorol. 27 (1983) 163-169; J.-P. Minier, E. Peirano, Phys. Rep. 352 (2001) 1-214, for crossing trajectories.
 namespace samara::models {
 
 /// C_0 of the structure function <du^2> = C_0 epsilon tau by the Reynolds number of Taylor's scale,
@@ -52,7 +52,7 @@ struct SeenOptions {
   /// the gradient of L is neglected.)
   double radius = 0.0;
   /// A rotational gust by the eddies larger than the body, of deviation 0.99 (epsilon/l^2)^(1/3) and time
-  /// (l^2/epsilon)^(1/3), l = 2 radius: no measurements stand behind it yet.
+  /// (l^2/epsilon)^(1/3), l = 2 radius: it is not yet based on measurements.
   bool rotation = false;
 };
 

@@ -11,7 +11,8 @@
 
 namespace samara::models {
 
-/// Terms of a law that do not take up a gust: weight, the pressure of a fluid that accelerates, rates of axes, propellers.
+/// Terms of a law that do not take up a gust: weight, the pressure of a fluid that accelerates, rates of axes,
+/// propellers.
 inline constexpr std::string_view kNotDrag[] = {"inertia", "gravity and buoyancy", "ambient acceleration",
                                                 "thrust"};
 
@@ -19,7 +20,7 @@ inline constexpr std::string_view kNotDrag[] = {"inertia", "gravity and buoyancy
 /// flies through gusts like those of Samara.
 ///
 ///   in space   gust_start, gust_{x,y,z}, gust_rate_{x,y,z}, gust_material_{x,y,z}, gust_spin_{x,y,z}
-///              with a group of states `position`, and either a quaternion and velocities u, w in body axes behind it,
+///              with a group of states `position`, and either a quaternion and velocities u, w in body axes after it,
 ///              or two vectors, v and w
 ///   in a plane gust_start, gust_{x,y}, gust_rate_{x,y}, gust_material_{x,y}, gust_spin
 ///              with the states vx, vy, w, theta, x, y of falling_plate, y upward

@@ -8,8 +8,8 @@
 
 namespace samara::models {
 
-/// What a driver does with bodies side by side at each step: sets the ramp of the air that each of them meets, and looks
-/// where they have come to. What it holds of a lane depends on nothing but that lane.
+/// What a driver does with bodies side by side at each step: sets the ramp of the air that each of them meets, and
+/// looks where they have come to. What it holds of a lane depends on nothing but that lane.
 class GustRamps {
  public:
   /// @param width lanes of the kernel that flies the bodies
@@ -21,8 +21,8 @@ class GustRamps {
   /// Place, velocity and attitude at the start; counts turns from there on.
   void start(const Lanes& flown, BodiesOnPath& bodies);
 
-  /// Sets the ramps of a step of length h [s] from what the air will be at its end, which becomes `bodies.air`. Where the
-  /// flow ends the air stays as it is. @returns whether the air of a body that flies is not finite
+  /// Sets the ramps of a step of length h [s] from what the air will be at its end, which becomes `bodies.air`. Where
+  /// the flow ends the air stays as it is. @returns whether the air of a body that flies is not finite
   bool set(double t, double h, const AirsSeen& seen, BodiesOnPath& bodies, Lanes& flown);
 
   /// Place, velocity, attitude and acceleration after it.

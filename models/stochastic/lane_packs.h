@@ -8,9 +8,9 @@
 #include "samara/models/batch/law_kernel.h"
 #include "samara/models/law_tools/attitude.h"
 
-/// Rows of lanes in the registers of the machine, for sources that are compiled for it and for nothing else: a scalar S
-/// is a number of one lane (double), or of as many as a register holds (Pack). Both do the same operations, so that a lane
-/// has the same bits in either.
+/// Rows of lanes in the registers of the machine, for sources that are compiled for it and for nothing else: a
+/// scalar S is a number of one lane (double), or of as many as a register holds (Pack). Both do the same operations,
+/// so that a lane has the same bits in either.
 namespace samara::models {
 
 /// How many lanes rows have for `width` bodies: one, or whole registers.

@@ -16,17 +16,17 @@
 ///   const ParametricModel leaf(find_model("immersed_body_in_gusts"), values, {});
 ///   const Ensemble cloud = realise(leaf, {}, *fluid_seen_in(uniform_turbulence(0.3, 0.2), 7), times, {.ground = 0.0});
 ///
-/// Bodies fly side by side in the lanes of SIMD registers, and so do their gusts; packs of them are shared between threads.
-/// A realisation has the same bits alone, among others, on any number of threads and after resume(); another processor or
-/// library of mathematics may change last digits, and where flights tumble that is another sample.
+/// Bodies fly side by side in the lanes of SIMD registers, and so do their gusts; packs of them are shared between
+/// threads. A realisation has the same bits alone, among others, on any number of threads and after resume(); another
+/// processor or library of mathematics may change last digits, and where flights tumble that is another sample.
 namespace samara::models {
 
 struct RealiseOptions {
   long realisations = 1000;
   long first = 0;  ///< number of the first one: any may be seen again by itself
-  double step =
-      1e-3;         ///< upper bound [s]; steps end on the times asked for, and one is an update of the gust
-  int threads = 0;  ///< 0: as many as the machine has
+  /// Upper bound [s]; steps end on the times asked for, and one is an update of the gust.
+  double step = 1e-3;
+  int threads = 0;                       ///< 0: as many as the machine has
   std::vector<std::string> states = {};  ///< whose statistics are kept; empty: those of the place
   std::optional<double> ground = {};     ///< height at which a body has landed [m]; it must start above
   long keep = 0;                         ///< trajectories of that many first realisations are kept
@@ -53,8 +53,8 @@ Ensemble realise(const ParametricModel& model, std::span<const double> point, co
 Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<const double> point,
                 const AirSource& air, std::span<const double> times, const RealiseOptions& options = {});
 
-/// What an ensemble has come to as plain numbers, for checkpoints, and the ensemble again, for the same call: bit for bit
-/// what resume() goes on from.
+/// What an ensemble has come to as plain numbers, for checkpoints, and the ensemble again, for the same call:
+/// bit for bit what resume() goes on from.
 /// @throws ArgumentError if it was not made by realise(), or as realise(), or if the numbers are of another call
 std::vector<double> numbers_of(const Ensemble& ensemble);
 Ensemble ensemble_of(std::span<const double> numbers, const ParametricModel& model,

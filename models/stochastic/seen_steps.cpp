@@ -128,8 +128,8 @@ void SeenSteps::move_some(Eigen::Index lane, const BodiesOnPath& bodies, double 
   const Rotation<S> R = rotation_of<S>(bodies.attitude, lane);
   const Vector3<S> slope = of_rows<S>(middle.sigma_gradient, lane);
   if (varies_) {
-    // The drift is that of the fluid's own particles: a body has of it what it follows at once, and of the rest what its
-    // drag follows in the time of an eddy (P. A. Bocksell, E. Loth, Int. J. Multiphase Flow 32 (2006) 1234-1253).
+    // The drift is that of the fluid's own particles: a body has of it what it follows at once, and of the rest what
+    // its drag follows in the time of an eddy (P. A. Bocksell, E. Loth, Int. J. Multiphase Flow 32 (2006) 1234-1253).
     const Vector3<S> at_once = R.to_world(times(at_once_, R.to_body(slope)));
     const S response = of_row<S>(bodies.response_time, lane);
     const Vector3<S> drift =

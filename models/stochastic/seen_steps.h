@@ -53,8 +53,8 @@ class SeenSteps {
 
   Eigen::Index lanes_;
   bool varies_, turns_;
-  Eigen::Matrix3d at_once_ =
-      Eigen::Matrix3d::Zero();  ///< BodyOnPath::follows, between 0 and 1 along its axes
+  /// BodyOnPath::follows, between 0 and 1 along its axes.
+  Eigen::Matrix3d at_once_ = Eigen::Matrix3d::Zero();
   VectorsByLane w_, spin_;
   /// Relative to the fluid seen, averaged over ten times an eddy's: what a particle of the fluid has is zero.
   VectorsByLane mean_u_r_;

@@ -20,8 +20,8 @@ namespace samara::models {
 struct TurbulentPath {
   Eigen::VectorXd times;        ///< n + 1, increasing [s]
   Eigen::MatrixX3d velocities;  ///< of the body, (n + 1) x 3 [m/s]
-  Eigen::MatrixX3d
-      still;  ///< a: what it would have without turbulence, at the beginning of each, n x 3 [m/s^2]
+  /// a: what it would have without turbulence, at the beginning of each, n x 3 [m/s^2].
+  Eigen::MatrixX3d still;
   Eigen::MatrixX3d fluid;  ///< <u> there, n x 3 [m/s]; no rows: at rest
 };
 

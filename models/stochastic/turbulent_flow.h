@@ -29,7 +29,8 @@ class TurbulentFlow : public AmbientFlow {
   ///   else end as not_finite.
   virtual Turbulence turbulence(double t, const Eigen::Vector3d& position) const = 0;
 
-  /// Whether mean and energy are the same at every place, without gradients: they are then asked for once for all bodies.
+  /// Whether mean and energy are the same at every place, without gradients: they are then asked for once for all
+  /// bodies.
   virtual bool is_uniform() const { return false; }
 };
 

@@ -21,14 +21,15 @@
 ///
 ///   (f (cp_attached - cp_slope sin^2 alpha) + (1 - f) cp_separated) cos alpha   chords
 ///
-/// before the plate's centre, towards the leading edge. The form is that of H. Li, T. Goodwill, Z. J. Wang, L. Ristroph,
-/// J. Fluid Mech. 937 (2022) A6, whose transition is f = (1 - tanh((alpha - 14 deg)/6 deg))/2 and whose angles are here
-/// smooth functions of the velocity. Their coefficients are here
+/// before the plate's centre, towards the leading edge. The form is that of H. Li, T. Goodwill, Z. J. Wang,
+/// L. Ristroph, J. Fluid Mech. 937 (2022) A6, whose transition is f = (1 - tanh((alpha - 14 deg)/6 deg))/2 and whose
+/// angles are here smooth functions of the velocity. Their coefficients are here
 ///
 ///   C_T 0.95, C_TA 1.65, C_D0 0.1, C_D90 1.9, C_DA 3.1, C_R 1.1, cp_attached 0.3, cp_slope 3.0, cp_separated 0.17,
 ///
-/// with kappa = 0 (they have no moment of Munk's), which keeps within 0.09 of their lift coefficient, 0.12 of their drag
-/// coefficient and 0.014 chords of their centre of pressure at every angle. All of it is 0 by default: forces act at the centre.
+/// with kappa = 0 (they have no moment of Munk's), which keeps within 0.09 of their lift coefficient, 0.12
+/// of their drag coefficient and 0.014 chords of their centre of pressure at every angle. All of it is 0
+/// by default: forces act at the centre.
 namespace samara::models::laws {
 
 /// The share of attached flow. @param sine_2 sin^2 of the angle of attack @param stall_sine_2 that of the stall angle

@@ -11,8 +11,8 @@ namespace samara::models::wind {
 /// What a wind needs to know of a body.
 struct BodyOutline {
   double length = 0.0;  ///< [m]
-  Eigen::Vector2d semi_axes =
-      Eigen::Vector2d::Zero();  ///< of a flat one, along its axes x and y; else zero [m]
+  /// Of a flat one, along its axes x and y; else zero [m].
+  Eigen::Vector2d semi_axes = Eigen::Vector2d::Zero();
 };
 
 /// From the parameters of a model without free coordinates: a and b, or what outline_radius() finds.

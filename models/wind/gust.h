@@ -21,8 +21,8 @@ struct GustOptions {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< world axes [m/s]
   double start = 0.0;                                  ///< [s]
   double duration = 0.0;                               ///< T [s]
-  /// Velocity with which the gust travels, world axes [m/s]; it arrives at the origin at `start`. Zero: it is everywhere
-  /// at once, which leaves the flow free of divergence; one that travels along its own velocity does not.
+  /// Velocity with which the gust travels, world axes [m/s]; it arrives at the origin at `start`. Zero: it is
+  /// everywhere at once, which leaves the flow free of divergence; one that travels along its own velocity does not.
   Eigen::Vector3d travel = Eigen::Vector3d::Zero();
 };
 

@@ -85,8 +85,8 @@ class WindModes final : public AmbientFlow {
             bool mirrored = false);
 
   AmbientSample sample(double t, const Eigen::Vector3d& position) const override;
-  /// Mean over the area of an ellipse about the position, each mode by its exact factor 2 J1(q)/q (to 1e-7): what a flat
-  /// body of this outline and attitude meets.
+  /// Mean over the area of an ellipse about the position, each mode by its exact factor 2 J1(q)/q (to 1e-7): what a
+  /// flat body of this outline and attitude meets.
   AmbientSample mean_over(const Ellipse& ellipse, double t, const Eigen::Vector3d& position) const;
   /// The shortest wave [m].
   double length() const override { return length_; }

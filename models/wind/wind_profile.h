@@ -26,8 +26,8 @@ struct ProfileOptions {
   ProfileKind kind = ProfileKind::logarithmic;
   double speed = 0.0;    ///< U [m/s], at `height`
   double height = 10.0;  ///< h [m]
-  double roughness =
-      0.03;  ///< z0 [m]: 0.03 grass, 0.3 farmland with hedges, 1 forest or town; logarithmic only
+  /// z0 [m]: 0.03 grass, 0.3 farmland with hedges, 1 forest or town; logarithmic only.
+  double roughness = 0.03;
   double displacement = 0.0;  ///< d [m]: about 2/3 of the height of a closed canopy; logarithmic only
   double exponent = 0.14;     ///< power only
 };

@@ -51,7 +51,8 @@ CoherenceReference coherence_reference(const WindProfile& profile, const Eigen::
 
 /// The same bits for the same seed and number.
 /// @throws ArgumentError unless there are points, all where the mean wind blows, at least 4 samples, at most 1000
-/// points and 2e7 numbers in all, no prime factor of the samples above 1000; step and, for `iec`, sigma positive and finite; for `kaimal` a logarithmic profile.
+/// points and 2e7 numbers in all, no prime factor of the samples above 1000; step and, for `iec`, sigma positive and
+/// finite; for `kaimal` a logarithmic profile.
 WindSeries wind_series(const WindProfile& profile, const SeriesOptions& options, std::uint64_t seed,
                        std::uint64_t realisation = 0);
 

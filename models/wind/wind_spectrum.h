@@ -1,14 +1,14 @@
 #pragma once
 
-/// Spectra of wind: over frequency at a fixed point (Kaimal's, the standard's), over wave number in isotropic turbulence
-/// (von Karman's).
+/// Spectra of wind: over frequency at a fixed point (Kaimal's, the standard's), over wave number in
+/// isotropic turbulence (von Karman's).
 ///
-/// Frequencies n are in Hz, wave numbers k in rad/m. All spectra are one-sided: their integral from 0 to infinity is the
-/// variance. Components: along the mean wind (u), across it (v), vertical (w).
+/// Frequencies n are in Hz, wave numbers k in rad/m. All spectra are one-sided: their integral from 0 to infinity is
+/// the variance. Components: along the mean wind (u), across it (v), vertical (w).
 ///
-/// Sources: Kaimal et al. (1972), see wind_profile.h; IEC 61400-1 ed. 3 (2005), annex B.2 and its tables; T. von Karman,
-/// Progress in the statistical theory of turbulence, PNAS 34 (1948), with a constant of 1.7 as J. Mann, Wind field
-/// simulation, Prob. Eng. Mech. 13 (1998) uses it.
+/// Sources: Kaimal et al. (1972), see wind_profile.h; IEC 61400-1 ed. 3 (2005), annex B.2 and its tables; T. von
+/// Karman, Progress in the statistical theory of turbulence, PNAS 34 (1948), with a constant of 1.7 as J. Mann, Wind
+/// field simulation, Prob. Eng. Mech. 13 (1998) uses it.
 namespace samara::models::wind {
 
 enum class Component { along, across, vertical };

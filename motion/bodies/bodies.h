@@ -57,9 +57,9 @@ struct BodiesOptions {
   double step = 0.0;                  ///< s, at most; 0: that of the database
   double ramp = -1.0;                 ///< s, of the coefficients; below 0: that with which pieces were tried
   std::optional<double> ground = {};  ///< m, height at which bodies rest; none: they fall for ever
-  /// Next pieces that are tried ahead at an event, from the state that the body is really in, at most 8: the first whose
-  /// next event is of its kind is taken (the air about the body resting as it is). 0: none is tried, and the best is
-  /// taken as it is. Trying costs about a segment's steps for each event.
+  /// Next pieces that are tried ahead at an event, from the state that the body is really in, at most 8: the first
+  /// whose next event is of its kind is taken (the air about the body resting as it is). 0: none is tried, and the
+  /// best is taken as it is. Trying costs about a segment's steps for each event.
   int tries = 0;
   /// Wind: sampled once per body and step at its place. Of models that have a sibling `.._in_gusts`. Planar bodies move
   /// in x and z at y = 0, and do not feel its y. What the air turns is not felt.
@@ -70,8 +70,8 @@ struct BodiesOptions {
 class Bodies {
  public:
   /// @param pieces must live as long
-  /// @throws ArgumentError for no bodies, a step, ramp or ground that is not finite, tries outside 0 to 8, or wind for a
-  /// model without it.
+  /// @throws ArgumentError for no bodies, a step, ramp or ground that is not finite, tries outside 0 to
+  /// 8, or wind for a model without it.
   Bodies(const NextPieces& pieces, Eigen::Index count, const BodiesOptions& options = {});
   ~Bodies();
   Bodies(Bodies&&) noexcept;

@@ -14,9 +14,9 @@ namespace samara::motion {
 
 namespace {
 
-/// Of the edges that lead to a sturdy segment, the share that must be sound.
+/// Of the edges that lead to a reliable segment, the share that must be sound.
 constexpr double kSturdy = 0.9;
-/// Of sturdy segments near a state, how many are looked for.
+/// Of reliable segments near a state, how many are looked for.
 constexpr std::size_t kNear = 4;
 
 /// The 90 % point of the distances from the ends of kept segments to the nearest start in another run; the graph's
@@ -158,13 +158,13 @@ std::size_t NextPieces::candidates(Eigen::Index followed, const Places& places,
   return have;
 }
 
-/// The sturdy segment that begins nearest to a state, looked for once, and only where it is asked for.
+/// The reliable segment that begins nearest to a state, looked for once, and only where it is asked for.
 class NextPieces::Nearest {
  public:
   Nearest(const SegmentTree& tree, const Places& places) : tree_(tree), places_(places) {}
 
   const Places& places() const { return places_; }
-  /// One that is known to be sturdy, and near: others are looked for where they are nearer.
+  /// One that is known to be reliable, and near: others are looked for where they are nearer.
   void try_first(const NearSegment& near) { nearest_ = near; }
   const NearSegment* of_all() {
     if (!is_known_) {

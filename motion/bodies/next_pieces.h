@@ -33,8 +33,8 @@ struct PieceOptions {
 ///
 /// Pieces are tried beforehand, the way bodies go on with them: every edge of the graph within reach(), from the end of
 /// its segment with the coefficients of that until the event is certain, then on the ramp. An edge is *sound* if the
-/// next event is of the kind of the segment that it leads to; a segment is *sturdy* if nine of ten edges that lead to
-/// it from other runs are, one at least. Choices are made among sound edges and sturdy segments.
+/// next event is of the kind of the segment that it leads to; a segment is *reliable* if nine of ten edges that lead to
+/// it from other runs are, one at least. Choices are made among sound edges and reliable segments.
 class NextPieces {
  public:
   explicit NextPieces(MotionDatabase database, const PieceOptions& options = {});
@@ -52,7 +52,7 @@ class NextPieces {
   double reach() const { return reach_; }
 
   bool is_sturdy(Eigen::Index segment) const { return sturdy_[static_cast<std::size_t>(segment)] != 0; }
-  /// Sturdy segments of the largest component, and how many edges were tried and found sound.
+  /// Reliable segments of the largest component, and how many edges were tried and found sound.
   Eigen::Index sturdy_count() const { return sturdy_count_; }
   Eigen::Index tried() const { return tried_; }
   Eigen::Index sound() const { return sound_count_; }
@@ -61,11 +61,11 @@ class NextPieces {
   Eigen::Index draw_segment(Stream& stream) const;
 
   /// What to go on with after a segment from the state that the motion is really in, the best first: along its sound
-  /// edges, those that begin within reach(), one of them first by chance; then of the sturdy segments that begin nearest
-  /// one within reach() by chance, and the others; at last the nearest sturdy one of each kind, for which places are kept.
-  /// With the chain: at first the nearest along an edge of a kind that it draws, then the nearest sturdy ones of that
-  /// kind within reach(); then likewise of a kind that it draws among those that are left, and so on: the first of them is
-  /// drawn from the chain among the kinds that are to be had here. Only then any, as above.
+  /// edges, those that begin within reach(), one of them first by chance; then of the reliable segments that begin
+  /// nearest one within reach() by chance, and the others; at last the nearest reliable one of each kind, for which
+  /// places are kept. With the chain: at first the nearest along an edge of a kind that it draws, then the nearest
+  /// reliable ones of that kind within reach(); then likewise of a kind that it draws among those that are left, and so
+  /// on: the first of them is drawn from the chain among the kinds that are to be had here. Only then any, as above.
   /// @param followed -1: none
   /// @param found as many as are wanted, kMost at most  @returns how many there are, at least one
   std::size_t after(Eigen::Index followed, std::span<const double> state, Stream& stream,
@@ -100,9 +100,9 @@ class NextPieces {
   std::vector<char> sturdy_;  ///< per segment
   Eigen::Index sturdy_count_ = 0, tried_ = 0, sound_count_ = 0;
   Eigen::MatrixXd places_;                   ///< of all starts, in the metric, a column each
-  std::unique_ptr<const SegmentTree> near_;  ///< of sturdy ones
-  std::array<std::unique_ptr<const SegmentTree>, kEventKinds>
-      kinds_;  ///< of these, by kind; none: there are none
+  std::unique_ptr<const SegmentTree> near_;  ///< of reliable ones
+  /// Of these, by kind; none: there are none.
+  std::array<std::unique_ptr<const SegmentTree>, kEventKinds> kinds_;
 };
 
 }  // namespace samara::motion

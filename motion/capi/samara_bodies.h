@@ -12,9 +12,9 @@
  *   for (size_t n = 0; n < 1000; ++n) samara_bodies_release(leaves, n, place[n], yaw[n]);
  *   each frame: samara_bodies_advance(leaves, 1.0 / 60.0); samara_bodies_poses(leaves, positions, rotations);
  *
- * SI units, world axes with z up. No exception and no text leaves these functions: those that may fail return a status,
- * or a null pointer, and samara_bodies_error() says why in one sentence. Nothing is allocated between opening and closing
- * but by releases. Motions may be shared between threads, bodies not.
+ * SI units, world axes with z up. No exception and no text leaves these functions: those that may fail return a
+ * status, or a null pointer, and samara_bodies_error() says why in one sentence. Nothing is allocated between opening
+ * and closing but by releases. Motions may be shared between threads, bodies not.
  */
 
 #ifdef __cplusplus

@@ -84,8 +84,8 @@ struct OrderChoice {
   std::size_t fitted_runs = 0, held_out_runs = 0;
 };
 
-/// Half of the runs of more than `most` symbols, which are drawn, to fit chains to, and the others. The same runs give the
-/// same halves.
+/// Half of the runs of more than `most` symbols, which are drawn, to fit chains to, and the others. The same runs
+/// give the same halves.
 struct RunHalves {
   std::vector<std::vector<int>> fit, held_out;
 };

@@ -18,9 +18,9 @@ struct CourseKnot {
   double ramp = 0.0;           ///< s, more than 0
 };
 
-/// c(t) = c_k + (v_k - c_k) (3 s^2 - 2 s^3), s = (t - t_k)/ramp_k within [0, 1], from knot k on, where c_k is what the
-/// course has reached at t_k. Continuous, and a cubic between two neighbouring instants of instants(). The same course as
-/// models::Stepper::ramp at the knots, but not held over steps.
+/// c(t) = c_k + (v_k - c_k) (3 s^2 - 2 s^3), s = (t - t_k)/ramp_k within [0, 1], from knot k on, where c_k is what
+/// the course has reached at t_k. Continuous, and a cubic between two neighbouring instants of instants(). The same
+/// course as models::Stepper::ramp at the knots, but not held over steps.
 class CoefficientCourse final : public models::ParameterCourse {
  public:
   /// @param first values before the first knot

@@ -45,8 +45,8 @@ struct MotionDatabase {
   std::string model;
   std::map<std::string, double> fixed;  ///< of all runs, SI
   std::vector<std::string> coefficient_names, coefficient_units;
-  Eigen::VectorXd lower,
-      upper;              ///< of the box of coefficients, which may be none: all runs have those in `fixed`
+  /// Of the box of coefficients, which may be none: all runs have those in `fixed`.
+  Eigen::VectorXd lower, upper;
   std::string plan_text;  ///< of the sweep; empty if it came from none
   std::vector<std::string> state_names;
   double step = 0.0;            ///< s, of the integration

@@ -16,8 +16,9 @@ std::vector<Eigen::Index> all_segments(const MotionDatabase& database) {
   return all;
 }
 
-/// Where segments begin, in the metric. Copies differ in signs: of each start the one is taken in which those are positive
-/// that are largest in the mean. So all lie on one side, and most copies of a place that is looked for are far from them.
+/// Where segments begin, in the metric. Copies differ in signs: of each start the one is taken in which
+/// those are positive that are largest in the mean. So all lie on one side, and most copies of a place
+/// that is looked for are far from them.
 Eigen::MatrixXd places_of_starts(const MotionDatabase& database, const std::vector<Eigen::Index>& segments,
                                  const MovingStates& moving, const StateMetric& metric) {
   const auto size = static_cast<Eigen::Index>(moving.reduced_size());

@@ -12,8 +12,8 @@ namespace samara::motion {
 
 struct NearSegment {
   Eigen::Index segment = 0;
-  double distance =
-      0.0;  ///< of the states, in the database's metric, the nearest of the body's symmetric copies
+  /// Of the states, in the database's metric, the nearest of the body's symmetric copies.
+  double distance = 0.0;
 };
 
 /// Segments by the states in which they begin. Searches do not allocate, and may come from several threads.

@@ -19,9 +19,9 @@ namespace samara::motion {
 ///   lanes.begin(n, t, state);                              // lane n, from here on
 ///   while (..) lanes.see(pack, times, rows, mask);         // lanes with an event: lanes.event(n)
 ///
-/// An event is certain when |v|^2 has risen by the prominence again. Time and state of the event are those of the minimum
-/// of the cubic through the four states about it, the root of v . a; they lie some steps back. Lanes do not touch each
-/// other, and take the same bits in packs of any width. Nothing is allocated once it is made.
+/// An event is certain when |v|^2 has risen by the prominence again. Time and state of the event are those of the
+/// minimum of the cubic through the four states about it, the root of v . a; they lie some steps back. Lanes do not
+/// touch each other, and take the same bits in packs of any width. Nothing is allocated once it is made.
 class EventLanes {
  public:
   /// @param width of packs, at most 64: lane n is number n % width of pack n / width

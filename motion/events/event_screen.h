@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <limits>
 
-/// What EventLanes does at every state of every motion, over lanes side by side: plain numbers in rows, compiled for the
-/// machine. A row holds a number of all lanes of a pack.
+/// What EventLanes does at every state of every motion, over lanes side by side: plain numbers in rows, compiled for
+/// the machine. A row holds a number of all lanes of a pack.
 namespace samara::motion {
 
 namespace event_rows {
 
-/// What is kept of a state; its numbers as they are stand behind.
+/// What is kept of a state; its numbers as they are stand after it.
 enum MarkRow : std::size_t {
   kTime,
   kSquare,  ///< |v|^2

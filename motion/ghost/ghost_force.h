@@ -11,15 +11,16 @@
 #include "samara/models/interface/parametric_model.h"
 #include "samara/motion/ghost/pose_path.h"
 
-/// The invisible force: what would have to act on a body, besides all that its model knows, so that it moves as it does.
+/// The invisible force: what would have to act on a body, besides all that its model knows, so that it moves as it
+/// does.
 ///
 /// A motion that is a solution of the model needs none, but for what its frames hide; a recording that was cut, blended
 /// or shifted needs much, however smooth it looks. Of the wrench
 ///
 ///   ghost = M (nu' of the path - nu' of the model at the same pose and velocities),
 ///
-/// M is the inertia of body and fluid, found from the kinetic energy of the model, and nu the velocity of the body's origin
-/// and its rotation rate in body axes.
+/// M is the inertia of body and fluid, found from the kinetic energy of the model, and nu the velocity of the body's
+/// origin and its rotation rate in body axes.
 ///
 ///     const GhostForce found = ghost_force(leaf, path);                       // at the coefficients of `leaf`
 ///     const GhostForce best = ghost_force(leaf, path, {.box = {{"C_T", {0.8, 1.4}}}});
@@ -79,9 +80,10 @@ struct GhostForce {
 };
 
 /// @param model all of whose parameters are fixed; coefficients that change are those of a following() model
-/// @throws ArgumentError for a path that path_rates() refuses, a model that has no velocities in body axes (vx, vy, w;
-/// ux, .., wz), no kinetic energy or no term "gravity and buoyancy", a path in a plane for a model in space or the
-/// reverse, coefficients in which the model is not affine, empty ranges, or fewer than 2 frames a window.
+/// @throws ArgumentError for a path that path_rates() refuses, a model that has no velocities in body axes (vx, vy,
+/// w; ux, .., wz), no kinetic energy or no term "gravity and buoyancy", a path in a plane for a model in space or the
+/// reverse, coefficients in which the model is not affine, empty ranges, fewer than 2 frames a window, or a path so
+/// fast that its forces are no numbers.
 GhostForce ghost_force(const models::ParametricModel& model, const PosePath& path,
                        const GhostOptions& options = {});
 

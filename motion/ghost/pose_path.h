@@ -8,7 +8,8 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/models/interface/model.h"
 
-/// A motion as places and attitudes at frames, whoever made it, and what its frames say of velocities and accelerations.
+/// A motion as places and attitudes at frames, whoever made it, and what its frames say of velocities and
+/// accelerations.
 namespace samara::motion {
 
 /// SI, or the units of a dimensionless model; frames in rows.
@@ -27,7 +28,7 @@ PosePath path_of(const models::ModelInfo& model, const Eigen::VectorXd& times, c
 
 /// Of a capture with all channels x, y, theta, or x, y, z, qw, qx, qy, qz. Frames where any of them was not seen are
 /// refused: what lies between two frames is a polynomial.
-/// @throws ArgumentError naming the channel or the frame
+/// @throws as identification::refuse(), naming the channel or the frame
 PosePath path_of(const identification::Capture& capture);
 
 /// Frames at each end of which nothing is said of rates.
@@ -35,8 +36,8 @@ inline constexpr Eigen::Index kEndFrames = 3;
 /// Frames that a path has at least.
 inline constexpr Eigen::Index kFewestPoses = 2 * kEndFrames + 1;
 
-/// Velocities of the body's origin and rotation rate in body axes (ux, uy, uz, wx, wy, wz; of a planar motion vx, vy, w)
-/// and their rates, of frames kEndFrames .. frames - 1 - kEndFrames, in rows.
+/// Velocities of the body's origin and rotation rate in body axes (ux, uy, uz, wx, wy, wz; of a planar motion vx, vy,
+/// w) and their rates, of frames kEndFrames .. frames - 1 - kEndFrames, in rows.
 struct PathRates {
   Eigen::MatrixXd velocities, accelerations;
 };
@@ -51,11 +52,11 @@ PathNoise noise_of(const PosePath& path);
 /// Of a second derivative in the middle of seven frames, over the noise of one: the mean square along the path.
 double mean_square_gain(const PosePath& path);
 
-/// From the polynomial of degree six through seven frames: errors of the order dt^6. Positions, and the rotation vectors
-/// from the middle frame to the others, are interpolated.
-/// @throws ArgumentError naming the frame: fewer than 7 frames, times that do not increase, numbers that are not finite,
-/// quaternions that are not of length one to 1e-3 (files round), more than 2 rad of turn between a frame and the third
-/// after it.
+/// From the polynomial of degree six through seven frames: errors of the order dt^6. Positions, and the rotation
+/// vectors from the middle frame to the others, are interpolated.
+/// @throws ArgumentError naming the frame: fewer than 7 frames, times that do not increase, numbers that
+/// are not finite, quaternions that are not of length one to 1e-3 (files round), more than 2 rad of turn
+/// between a frame and the third after it.
 PathRates path_rates(const PosePath& path);
 
 }  // namespace samara::motion

@@ -76,9 +76,9 @@ struct WindowOptions {
   double overlap = 0.5;  ///< of neighbours, a share
 };
 
-/// A fall as a sequence of patterns: windows of some swings that overlap, equal neighbours merged. The pattern of
-/// the fall is its last. One window where the record is shorter, or has no swings; one that is unresolved where frames are
-/// missing for too long (long_gap() of even_frames.h).
+/// A fall as a sequence of patterns: windows of some swings that overlap, equal neighbours merged. The pattern of the
+/// fall is its last. One window where the record is shorter, or has no swings; one that is unresolved where frames
+/// are missing for too long (long_gap() of even_frames.h).
 /// @throws ArgumentError as check() of the record, and for options outside their meaning.
 std::vector<LabelledWindow> label_windows(const MotionRecord& record, const WindowOptions& options = {},
                                           const PatternThresholds& thresholds = {});

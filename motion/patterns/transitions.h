@@ -17,8 +17,8 @@ namespace samara::motion {
 struct Transitions {
   Eigen::MatrixXi counts;
   Eigen::MatrixXd probability, lower, upper;  ///< NaN where a pattern was not seen, or never changes
-  /// Changes until a fall with the pattern of the row comes to that of the column, expected under `probability`; NaN where
-  /// a pattern that was seen never changes, from which there is no telling.
+  /// Changes until a fall with the pattern of the row comes to that of the column, expected under `probability`; NaN
+  /// where a pattern that was seen never changes, from which there is no telling.
   Eigen::MatrixXd changes;
   int falls = 0;
 };

@@ -70,8 +70,8 @@ class Beam {
     return (fall_.release_height() - lowest) / std::max(1e-300, fall_.release_height() - plan_.ground);
   }
 
-  /// By turns a jitter, a proposal of the database, and any values at all; the last in place of proposals that there are
-  /// none of.
+  /// By turns a jitter, a proposal of the database, and any values at all; the last in place of proposals that there
+  /// are none of.
   /// @param proposed coefficients that the database proposes from here
   std::vector<double> target_of(const BeamNode& parent, std::size_t number, int child,
                                 std::span<const std::vector<double>> proposed) const {
@@ -126,9 +126,9 @@ class Beam {
     choose(parents, continuations, pieces);
   }
 
-  /// Of falls that have had what was asked so far, which one can have what comes: falls that stand where the database has
-  /// segments of that kind are better off; and a draw among equals, or all that are kept would be one fall that changes
-  /// nothing. Less than a segment that is missed.
+  /// Of falls that have had what was asked so far, which one can have what comes: falls that stand where the database
+  /// has segments of that kind are better off; and a draw among equals, or all that are kept would be one fall that
+  /// changes nothing. Less than a segment that is missed.
   double outlook(const FallPoint& point, std::uint64_t number) const {
     const AskedSegment* asked = fall_.asked(point);
     if (asked == nullptr || !asked->kind) return 0.0;
@@ -185,7 +185,7 @@ class Beam {
       state_.lowest = node.point.height;
       state_.sunk_in = round;
     }
-    // What has ended stands behind what goes on, and is cut off for the next round.
+    // What has ended stands after what goes on, and is cut off for the next round.
     state_.ended.resize(state_.rounds.size() + 1);
     state_.ended.back() = std::move(ended);
     state_.rounds.push_back(std::move(nodes));

@@ -28,7 +28,7 @@ struct BeamNode {
 /// All that a search knows, between two of its rounds: a search that goes on from here finds the same falls to the bit.
 struct BeamState {
   struct Finished {
-    int round = 0, index = 0;  ///< behind the nodes of that round
+    int round = 0, index = 0;  ///< after the nodes of that round
     double cost = 0.0;
   };
   std::vector<std::vector<BeamNode>> rounds;  ///< what goes on, round by round; the first is the start
@@ -48,9 +48,9 @@ struct BeamResult {
   std::string lost;  ///< why no fall came to its end; empty: some did
 };
 
-/// Falls from decision to decision: of each that is kept, `children` continuations (as before, by a jitter, as falls of
-/// the database did that were of the kind that is asked, anyhow); of all of these the best `beam` are kept, at most four of
-/// one parent, by their cost (fall_cost.h), and by how far off they stand.
+/// Falls from decision to decision: of each that is kept, `children` continuations (as before, by a jitter, as falls
+/// of the database did that were of the kind that is asked, anyhow); of all of these the best `beam` are kept, at
+/// most four of one parent, by their cost (fall_cost.h), and by how far off they stand.
 /// @param state where the search begins, and, when it is cancelled, where it can go on
 /// @param keep called after each round
 BeamResult search_beam(const PlannedFall& fall, BeamState& state, const ProgressCallback& progress,

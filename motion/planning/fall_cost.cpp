@@ -18,8 +18,8 @@ double square(double x) {
   return x * x;
 }
 
-/// The mean price of segments, so that falls with fewer of them are no cheaper; what a fall that is over has not reached
-/// was not as asked.
+/// The mean price of segments, so that falls with fewer of them are no cheaper; what a fall that is
+/// over has not reached was not as asked.
 double price_of_kinds(const PlannedFall& fall, const FallPoint& point) {
   const auto& sequence = fall.plan().sequence;
   if (!sequence) return 0.0;
@@ -80,8 +80,8 @@ double turbulence_factor(const MotionPlan& plan) {
   if (!(plan.turbulence > 0.0)) return 0.0;
   const double k = 1.5 * std::pow(plan.turbulence * plan.scales().velocity, 2);
   const double dissipation = std::pow(0.09, 0.75) * std::pow(k, 1.5) / (0.07 * 2.0 * plan.semi_length());
-  // Of an acceleration of 1 m/s^2 that is held for 1 s: the action goes with its square and its duration. What turbulence
-  // does by itself costs 3/2 there, and 1 here.
+  // Of an acceleration of 1 m/s^2 that is held for 1 s: the action goes with its square and its duration. What
+  // turbulence does by itself costs 3/2 there, and 1 here.
   const models::Turbulence energy{.k = k, .epsilon = dissipation};
   return models::turbulent_action(Eigen::Vector3d::UnitX(), 1.0, energy, {.C_0 = kKolmogorov}) / 1.5;
 }

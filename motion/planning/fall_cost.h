@@ -2,9 +2,9 @@
 
 #include "samara/motion/planning/fall_lanes.h"
 
-/// What a fall costs, for the search and for what refines it: both ask these functions and no others. Windows need J as a
-/// sum of squares: its quantities are deviations, changes, accelerations and places, and each has a weight here by which
-/// it is multiplied before it is squared; sums over a fall take the same weights.
+/// What a fall costs, for the search and for what refines it: both ask these functions and no others. Windows need J
+/// as a sum of squares: its quantities are deviations, changes, accelerations and places, and each has a weight here
+/// by which it is multiplied before it is squared; sums over a fall take the same weights.
 ///
 ///     J = 1/(t a^2) int |deviation|^2 dt                                       path
 ///       + 1/H [0.06 sum over decisions of mean_j (dc_j/range_j)^2              changes
@@ -25,8 +25,8 @@ double height_fallen(const PlannedFall& fall, double height);
 double deviation_weight(const PlannedFall& fall, double duration, double t);
 /// Of a change of a coefficient; the square goes over H.
 double change_weight(const PlannedFall& fall, std::size_t coefficient);
-/// Of a difference of accelerations [m/s^2] that lasts `duration` of a piece that falls by `fallen` [m]; the square goes
-/// over H.
+/// Of a difference of accelerations [m/s^2] that lasts `duration` of a piece that falls by `fallen` [m]; the square
+/// goes over H.
 double turbulence_weight(const PlannedFall& fall, double duration, double fallen);
 /// Of a distance from the landing place [m].
 double landing_weight(const PlannedFall& fall);

@@ -19,8 +19,8 @@ struct ReplayedFall {
 /// What is seen of a fall: time and state of the start and after each step.
 using SeenSteps = std::function<void(double t, std::span<const double> state)>;
 
-/// From `start` along the knots to the ground, or to the end of the time; not finite: the cost is infinite. One that does
-/// neither ends after four times as long as the plan says it takes, or behind its last knot.
+/// From `start` along the knots to the ground, or to the end of the time; not finite: the cost is infinite. One that
+/// does neither ends after four times as long as the plan says it takes, or after its last knot.
 ReplayedFall replay(const PlannedFall& fall, const FallPoint& start, const std::vector<CourseKnot>& knots,
                     const SeenSteps& see = {});
 

@@ -23,8 +23,8 @@ namespace samara::motion {
 struct SteeredCoefficient {
   std::string name;
   double lower = 0.0, upper = 0.0;
-  double natural =
-      0.0;  ///< its value for the body as it is: where a fall begins, and what turbulence moves it from
+  /// Its value for the body as it is: where a fall begins, and what turbulence moves it from.
+  double natural = 0.0;
 };
 
 struct MotionSearch {
@@ -39,8 +39,8 @@ struct MotionSearch {
 
 struct MotionPlan {
   std::shared_ptr<const models::Model> model;
-  std::map<std::string, double>
-      fixed;  ///< SI, parameters and initial values, the natural coefficients among them
+  /// SI, parameters and initial values, the natural coefficients among them.
+  std::map<std::string, double> fixed;
   std::vector<SteeredCoefficient> box;
 
   std::optional<Sketch> sketch;
@@ -128,10 +128,11 @@ struct BookUse {
 ///     intensity = 0.1
 ///     [search]                      # beam, children, sweeps, step, ramp, seed
 ///
-/// @throws InputError, with file and line, for unknown keys, names or units, values outside their meaning, an empty or
-/// reversed range, a sketch that rises (or, with times, faster than falls of the database, or above the release) or begins
-/// below the release, a body that does not sink, a database or codebook of another body, a codebook that is no flow map, a sequence that is given and of which the
-/// database has no fall within the box or no way from one to the next, or a plan that asks for nothing.
+/// @throws InputError, with file and line, for unknown keys, names or units, values outside their meaning, an empty
+/// or reversed range, a sketch that rises (or, with times, faster than falls of the database, or above the release)
+/// or begins below the release, a body that does not sink, a database or codebook of another body, a codebook that is
+/// no flow map, a sequence that is given and of which the database has no fall within the box or no way from one to
+/// the next, or a plan that asks for nothing.
 MotionPlan read_motion_plan(const std::filesystem::path& path);
 /// The same from text; `name` stands for the file in messages, files it names are beside it.
 MotionPlan parse_motion_plan(const std::string& text, const std::string& name);

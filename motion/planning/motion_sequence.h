@@ -35,8 +35,8 @@ struct MotionSequence {
   std::optional<MarkovChain> chain;  ///< of kinds, where nothing is asked but that they be likely
   /// Of kinds, in the falls of a database that have this pattern.
   std::map<Pattern, MarkovChain> of_pattern;
-  /// What it costs if all segments are of other kinds than were asked, or, of chains, a nat of the mean of -log P(kind |
-  /// kinds before) [semi-lengths squared]. A million puts kinds before all else.
+  /// What it costs if all segments are of other kinds than were asked, or, of chains, a nat of the mean of -log
+  /// P(kind | kinds before) [semi-lengths squared]. A million puts kinds before all else.
   double weight = 20.0;
   std::optional<std::uint64_t> seed;  ///< that it was drawn with
   std::string origin;                 ///< "given", or what it was drawn from
@@ -66,9 +66,11 @@ struct MotionSequence {
 ///     events = 2                             # segments that a drawn pattern lasts
 ///     weight = 20
 ///
-/// `chain` is what `samara patterns --json` says of captures (patterns of their windows, one step a window), a database of
-/// motions (kinds), {"schema": "samara-chain/1", "symbols": [..], "counts": [[..]]}, rows from, columns to, or "dissertation":
-/// the chain of patterns (5.25) by the counts behind it (source_chain()), which stays in zigzag. Without it the plan's database is taken. Without a length nothing is drawn: kinds cost -log P under the chain of kinds.
+/// `chain` is what `samara patterns --json` says of captures (patterns of their windows, one step a window),
+/// a database of motions (kinds), {"schema": "samara-chain/1", "symbols": [..], "counts": [[..]]}, rows from,
+/// columns to, or "dissertation": the chain of patterns (5.25) by the counts it comes from (source_chain()),
+/// which stays in zigzag. Without it the plan's database is taken. Without a length nothing is drawn: kinds
+/// cost -log P under the chain of kinds.
 /// @param folder from which files are named  @param database of the plan, or none
 /// @throws InputError, with file and line: more than one of kinds, patterns and chain; words that are no kinds or
 /// patterns; patterns of which the database has no fall, or no database; a chain that cannot be read.

@@ -13,9 +13,9 @@
 
 /// Falls that do what they are asked: follow a sketch, come down at a place, swing and turn in a given order.
 ///
-/// Nothing is blended. What comes out is one solution of the model whose coefficients change within their box: a course of
-/// coefficients, and the motion that the steps of the plan make along it. At each minimum of speed the search chooses how
-/// the coefficients go on, windows of Gauss and Newton's method then move them all a little.
+/// Nothing is blended. What comes out is one solution of the model whose coefficients change within their box: a
+/// course of coefficients, and the motion that the steps of the plan make along it. At each minimum of speed the
+/// search chooses how the coefficients go on, windows of Gauss and Newton's method then move them all a little.
 ///
 ///     const MotionResult motion = plan_motion(read_motion_plan("motion.toml"));
 ///     motion.deviation;                         // m, rms distance from the sketch
@@ -86,9 +86,8 @@ struct PlanningOptions {
   std::filesystem::path checkpoint = {};
 };
 
-/// @throws ArgumentError if the plan's values are outside their meaning, or its body does not sink, or for its codebook, as
-/// BookTangents; InputError for a
-/// checkpoint of another plan.
+/// @throws ArgumentError if the plan's values are outside their meaning, or its body does not sink, or for its
+/// codebook, as BookTangents; InputError for a checkpoint of another plan.
 MotionResult plan_motion(const MotionPlan& plan, const PlanningOptions& options = {});
 
 /// The motion of a plan's steps along a course to the ground, or to the end of the time; without frames if it is not

@@ -49,9 +49,9 @@ class Sketch {
   Eigen::VectorXd keys_;
 };
 
-/// Lines by the unified trajectory functions of the dissertation, (3.6) and (3.7) (kinematic_paths.h): what a fall is to
-/// look like, to begin with; they obey no law of motion. Moved so that they begin at `from`, down to the height `bottom`, 64
-/// points a period, without times.
+/// Lines by the unified trajectory functions of the dissertation, (3.6) and (3.7) (kinematic_paths.h): what a fall is
+/// to look like, to begin with; they obey no law of motion. Moved so that they begin at `from`, down to the height
+/// `bottom`, 64 points a period, without times.
 /// @throws ArgumentError as at() of the path, for one that does not go down all the way, or takes more than 1e5 points
 Sketch sketch_of(const models::SideToSidePath& path, const Eigen::Vector3d& from, double bottom);
 Sketch sketch_of(const models::RosePath& path, const Eigen::Vector3d& from, double bottom);
@@ -61,8 +61,8 @@ struct SketchUnits {
   std::string length = "m", time = "s";
 };
 
-/// Columns x, z (or x, y in a plane, y up), or x, y, z; t, if it is timed. Units stand in the header, "x[cm]"; SI where
-/// they do not.
+/// Columns x, y, z, or x, y of a motion in a plane, y up; t, if it is timed. Units stand in the header, "x[cm]"; SI
+/// where they do not.
 /// @param planar whether y, and not z, is up
 /// @throws InputError with file and line, also for a unit of another dimension than the model's
 Sketch read_sketch(const std::filesystem::path& path, bool planar, const SketchUnits& units = {});

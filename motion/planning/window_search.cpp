@@ -78,7 +78,7 @@ bool refine_in_windows(const PlannedFall& fall, const FallPoint& start, Refining
     state.has_improved = false;
     ++state.sweep;
   }
-  // Knots behind the end of the fall move nothing.
+  // Knots after the end of the fall move nothing.
   std::erase_if(state.best.knots, [&](const CourseKnot& knot) { return knot.t >= state.best.end.t; });
   return true;
 }

@@ -22,11 +22,11 @@ struct RefiningState {
   static RefiningState from(const PlannedFall& fall, const FallPoint& start, const FoundFall& found);
 };
 
-/// Moves the coefficients at the knots: Gauss and Newton's method over windows of six knots that look ten knots ahead, one
-/// window after another down the fall, within the box, with the exact tangents of the steps, or those of the plan's codebook. What they minimise is
-/// their part of the cost that the search has (fall_cost.h), all but the kinds of segments, which have no
-/// tangents. Knots are first put at the thirds of long pieces, unless turbulence is what pieces cost. A window is taken if it
-/// improves what it looks at and the whole, kinds included.
+/// Moves the coefficients at the knots: Gauss and Newton's method over windows of six knots that look ten knots
+/// ahead, one window after another down the fall, within the box, with the exact tangents of the steps, or those of
+/// the plan's codebook. What they minimise is their part of the cost that the search has (fall_cost.h), all but the
+/// kinds of segments, which have no tangents. Knots are first put at the thirds of long pieces, unless turbulence is
+/// what pieces cost. A window is taken if it improves what it looks at and the whole, kinds included.
 /// @param state where it begins, and, when it is cancelled, where it can go on
 /// @param keep called after each window
 /// @returns false if it was cancelled; else state.best is the fall, not worse than the one it began with

@@ -23,8 +23,9 @@ class Windows {
   /// @param knots which improve() moves
   Windows(const PlannedFall& fall, std::vector<CourseKnot>& knots);
 
-  /// What the window that begins with a knot costs. If it holds the whole fall, that is the cost of fall_cost.h but for the
-  /// kinds, its integrals from about twenty samples a knot, and the landing where the way of the last step meets the ground.
+  /// What the window that begins with a knot costs. If it holds the whole fall, that is the cost of
+  /// fall_cost.h but for the kinds, its integrals from about twenty samples a knot, and the landing where the
+  /// way of the last step meets the ground.
   /// @param now the fall along the knots as they were when pieces were last cut
   Look look(std::size_t first, const ReplayedFall& now, bool derivatives);
   /// The window that begins with this knot. @param now the fall along the knots as they are
@@ -43,7 +44,7 @@ class Windows {
   double horizon(std::size_t first) const;
   /// Of the whole: what changes and turbulence are over.
   double fallen() const;
-  /// Changes of coefficients within the window and to the knot behind it.
+  /// Changes of coefficients within the window and to the knot after it.
   void add_changes(std::size_t first, const FallPoint& from, Look& look) const;
   /// Of the place; 3 x unknowns.
   Eigen::Matrix3Xd moved_places() const;

@@ -28,8 +28,8 @@ std::string long_gap(const Eigen::VectorXd& times);
 /// Rows of `values` at such frames, by straight lines between given ones.
 Eigen::MatrixXd between(const Eigen::MatrixXd& values, const std::vector<BetweenFrames>& frames);
 
-/// As noise_of() (motion_record.h), of frames some of which may be missing: from runs of five frames without a gap; where
-/// there are few, from any five, by what a cubic through four of them leaves of the fifth.
+/// As noise_of() (motion_record.h), of frames some of which may be missing: from runs of five frames without a gap;
+/// where there are few, from any five, by what a cubic through four of them leaves of the fifth.
 double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen::VectorXd& times);
 
 }  // namespace samara::motion

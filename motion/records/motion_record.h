@@ -55,14 +55,16 @@ MotionRecord part(const MotionRecord& record, Eigen::Index first, Eigen::Index c
 /// @param taken differences that the values are already, of what has the noise: 1 for increments
 double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, int order = 4, int taken = 0);
 
-/// The channel of a place (x, y, z), an angle, or a part of a quaternion. Places of dimensionless models are plain numbers.
-/// @throws ArgumentError naming the capture and the channel that is missing, in pixels, or of another dimension
+/// The channel of a place (x, y, z), an angle, or a part of a quaternion. Places of dimensionless models are plain
+/// numbers.
+/// @throws as identification::refuse(), naming the capture and the channel that is missing, in pixels, or of another
+/// dimension
 const Eigen::VectorXd& pose_values(const identification::Capture& capture, const std::string& quantity);
 
 /// The record of a capture. Its channels: x, y, z (z up), with qw, qx, qy, qz where the attitude was seen; or, of a
 /// motion in a plane, x and y (up), with theta. Frames not seen are left out and counted.
 /// @param length m, of the body; 0: not known
-/// @throws ArgumentError as pose_values(), or for too few frames
+/// @throws as pose_values(), also for too few frames
 MotionRecord record_of(const identification::Capture& capture, double length = 0.0);
 
 /// Where the states of a model hold place and attitude of a body.

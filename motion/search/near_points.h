@@ -23,11 +23,10 @@ class NearPoints {
 
   Eigen::Index size() const;
 
-  /// The nearest ones, the nearest first.
+  /// The nearest ones, the nearest first. In 5 and 9 dimensions it does not allocate.
   /// @param found, squares as many as are wanted, kMost at most: numbers of points, squares of their distances
   /// @param within only those at a squared distance below this
   /// @returns how many there are
-  /// In 5 and 9 dimensions it does not allocate.
   std::size_t nearest(std::span<const double> place, std::span<Eigen::Index> found, std::span<double> squares,
                       double within = std::numeric_limits<double>::infinity()) const {
     return nearest_to_any(place, found, squares, within);

@@ -58,8 +58,8 @@ class PatternMap {
   Eigen::VectorXd draw(Pattern pattern, Stream& stream) const;
 
   /// The point itself where at() calls it by the pattern; else the last place that it does so on the way to the point
-  /// from the nearest fall of the pattern, or that fall, if even there most neighbours have another. Coordinates outside the
-  /// box are brought to its sides first.
+  /// from the nearest fall of the pattern, or that fall, if even there most neighbours have another. Coordinates
+  /// outside the box are brought to its sides first.
   /// @throws ArgumentError as draw(), and if the point is not finite.
   Eigen::VectorXd clamp(Pattern pattern, const Eigen::VectorXd& point) const;
 

@@ -27,8 +27,8 @@ struct SharesAt {
 /// @throws ArgumentError for other than the sweep's number of coordinates, a point outside its box, or no falls.
 SharesAt shares_at(const Sweep& sweep, const Eigen::VectorXd& point);
 
-/// Around a body of the sweep's model, at its own values of the coordinates. All else must be what the sweep held fixed:
-/// parameters, and initial values that no release sets, to 1e-9 of them.
+/// Around a body of the sweep's model, at its own values of the coordinates. All else must be what the sweep held
+/// fixed: parameters, and initial values that no release sets, to 1e-9 of them.
 /// @throws ArgumentError as shares_at(), and naming what differs: the model, its equations, or the first such value;
 /// InputError where the plan of the sweep cannot be read, as without the model's file.
 SharesAt shares_of(const Sweep& sweep, const models::ParametricModel& body);

@@ -31,8 +31,8 @@ struct RefiningRound {
 struct Sweep {
   std::string model;
   std::string generator;  ///< the program that ran it, with its version
-  std::string
-      model_text;  ///< equations, parameters and initial values of the model: by them another of its name is known
+  /// Equations, parameters and initial values of the model: by them another of its name is known.
+  std::string model_text;
   std::string plan_text;
   std::vector<std::string> names, units;  ///< of the coordinates of points
   std::vector<std::vector<double>> axes;  ///< values of a grid; empty: points were drawn
@@ -89,7 +89,8 @@ struct SweepResult {
 /// Runs all falls, each in a lane of models/batch/watch_batch.h; a fall's frames are kept until its features are known.
 /// Finished falls are the same to the bit whether or not the sweep was interrupted, and on any number of threads. A
 /// checkpoint that was refined (refining.h) comes back as it is, complete.
-/// @throws ArgumentError as the model and watch_batch do; InputError for a checkpoint of another plan, model or version.
+/// @throws ArgumentError as the model and watch_batch do; InputError for a checkpoint of another plan, model or
+/// version.
 SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options = {});
 
 /// Falls of a plan at other points than its own, without a checkpoint: appended to `sweep`, which is one of that plan.

@@ -14,9 +14,10 @@ struct AxisLabel;
 enum class Basis {
   p1,         ///< continuous piecewise linear finite elements on any mesh; order 2
   chebyshev,  ///< elements through their Chebyshev-Lobatto points; one element converges geometrically
-  radau,  ///< time elements: degree s through the start of the element and its s right Radau points; order s
-          ///< + 1 between the nodes, 2s - 1 at the ends of the elements when used for collocation
-  p2,     ///< continuous piecewise quadratic finite elements on any mesh; order 3
+  /// Time elements: degree s through the start of the element and its s right Radau points; order s + 1 between the
+  /// nodes, 2s - 1 at the ends of the elements when used for collocation.
+  radau,
+  p2,        ///< continuous piecewise quadratic finite elements on any mesh; order 3
   legendre,  ///< elements through their Gauss-Legendre-Lobatto points; one element converges geometrically
   fourier,   ///< trigonometric polynomials of one period on equidistant nodes; converges geometrically
   discrete,  ///< a list of values, each counting one; nothing between them

@@ -6,7 +6,8 @@
 
 /// The test for a strategy of your own, on a problem that suits it.
 ///
-///   for (const std::string& finding : samara::pgd::check_strategy(mine, problem).findings) std::cerr << finding << "\n";
+///   const samara::Check check = samara::pgd::check_strategy(mine, problem);
+///   for (const std::string& finding : check.findings) std::cerr << finding << "\n";
 ///
 /// The strategy solves the first slabs of the problem by itself (nonlinear/strategy_trial.h). Looked at is
 ///  - whether it gets there, and says why where it does not: by an Ending, nothing thrown;

@@ -118,8 +118,8 @@ class Cross {
     return entries;
   }
 
-  /// Values on left set x mode k x right set, as a core. Members of the left set that differ by their outputs only share
-  /// entries.
+  /// Values on left set x mode k x right set, as a core. Members of the left set that differ by their outputs only
+  /// share entries.
   TrainCore block(std::size_t k) {
     const IndexBatch& left = left_[k];
     const IndexBatch& right = right_[k];

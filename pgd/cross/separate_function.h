@@ -12,8 +12,8 @@
 namespace samara::pgd {
 
 struct SeparateOptions {
-  double tolerance =
-      1e-8;  ///< of the nodal values, relative to the largest; part of the problem's error budget
+  /// Of the nodal values, relative to the largest; part of the problem's error budget.
+  double tolerance = 1e-8;
   int max_rank = 100;
   std::uint64_t seed = 1;
 };

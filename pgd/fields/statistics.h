@@ -34,8 +34,8 @@ namespace samara::pgd {
 struct StatisticsOptions {
   /// This axis is no random input: statistics are given at each of its nodes. Empty: all axes are inputs.
   std::string free_axis = "";
-  /// How inputs are distributed that are not uniform, by name: nodes inside the axis, in its unit, and weights from 0 on
-  /// that sum to one. Means are sums over the nodes.
+  /// How inputs are distributed that are not uniform, by name: nodes inside the axis, in its unit, and weights from 0
+  /// on that sum to one. Means are sums over the nodes.
   std::map<std::string, QuadratureRule> distributions = {};
   /// Further subsets of inputs to give indices of.
   std::vector<std::vector<std::string>> subsets = {};

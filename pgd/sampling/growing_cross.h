@@ -26,7 +26,7 @@ class GrowingCross {
   GrowingCross(SampleTable& table, std::vector<int> nodes, int max_rank, std::uint64_t seed);
 
   /// Adds pivots until the search finds no error above `tolerance` (over the scale of the outputs) at any
-  /// bond, or the function has been called oftener than `max_calls` in all. @throws SamplingStopped
+  /// bond, or the function has been called more often than `max_calls` in all. @throws SamplingStopped
   void grow(double tolerance, long max_calls);
 
   /// Makes a grid point (Leja numbers of all coordinates) a pivot of every bond that errs there by more than

@@ -27,7 +27,7 @@
 ///     is orthogonal to all of them;
 ///  3. coordinates along which the coefficients of the interpolant have not decayed get more nodes.
 ///
-/// The build is met when all three are silent, fresh points agree within 0.6 of the tolerance, some uniform
+/// The build is met when all three find nothing, fresh points agree within 0.6 of the tolerance, some uniform
 /// (the exploration), some where the latest two interpolants differ most, no climb from errors that stand out
 /// finds more (error_climb.h), and the challenge, if there is one, finds nothing. No number of calls can
 /// exclude a feature that none of them touches. References: S. Dolgov and D. Savostyanov, Parallel cross

@@ -138,8 +138,8 @@ py::array_t<double> centres_of(const Flow& stored, int direction) {
   return copied(places);
 }
 
-/// The air of a cloud: a wind's file; or a flow's with speed, length, place and whether the stream goes on beyond it; or
-/// an energy that is the same everywhere.
+/// The air of a cloud: a wind's file; or a flow's with speed, length, place and whether the stream goes on beyond it;
+/// or an energy that is the same everywhere.
 std::shared_ptr<const models::AirSource> air_of(const py::dict& given, const models::ParametricModel& model,
                                                 std::uint64_t seed, const models::SeenOptions& seen) {
   const auto kind = given["kind"].cast<std::string>();

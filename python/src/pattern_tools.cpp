@@ -29,8 +29,8 @@ motion::PatternClasses classes_of(const std::map<std::string, std::vector<std::s
 }
 
 /// @param path of a table of segments, or else the rows of one
-/// @returns words, confusion (words, words), share, balanced, kappa, adjusted Rand index, and per segment its capture, frames
-///   and word, and the pattern, margin and reason of the rule
+/// @returns words, confusion (words, words), share, balanced, kappa, adjusted Rand index, and per segment its
+///   capture, frames and word, and the pattern, margin and reason of the rule
 py::tuple segment_agreement(const std::vector<std::filesystem::path>& files, const py::list& tables,
                             const std::filesystem::path& sidecar,
                             const std::optional<std::filesystem::path>& path,

@@ -8,8 +8,8 @@
 
 namespace samara::python {
 
-/// Things that are dear to prepare and cheap to copy, such as queries, by what they were prepared for: each call takes
-/// one for itself and brings it back. The few that were used last are kept. Safe to share between threads.
+/// Things that are costly to prepare and cheap to copy, such as queries, by what they were prepared for: each call
+/// takes one for itself and brings it back. The few that were used last are kept. Safe to share between threads.
 template <class Key, class Thing>
 class Shelf {
   struct Box {

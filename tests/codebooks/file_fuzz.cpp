@@ -43,7 +43,7 @@ void put_word(std::string& bytes, std::size_t at, std::uint32_t word) {
   for (std::size_t k = 0; k < 4; ++k, word >>= 8) bytes[at + k] = static_cast<char>(word & 0xff);
 }
 
-/// Bytes that a checksum of four bytes behind them guards.
+/// Bytes that a checksum of four bytes after them guards.
 struct Guarded {
   std::size_t begin = 0;
   std::size_t size = 0;
@@ -55,7 +55,7 @@ struct Guarded {
   }
 };
 
-/// Metadata: behind a signature, the length whose checksum is right.
+/// Metadata: after a signature, the length whose checksum is right.
 std::vector<Guarded> guarded_metadata(const std::string& bytes) {
   constexpr std::array kSignatures = {"OHDR", "OCHK", "BTHD", "BTIN", "BTLF", "FRHP", "FHIB",
                                       "FAHD", "FADB", "EAHD", "EAIB", "EASB", "EADB"};

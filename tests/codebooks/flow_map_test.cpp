@@ -293,9 +293,9 @@ relative = 1e-6
     CHECK(exact.states.col(1).minCoeff() < -0.3);
     // Forty windows of 1e-6 of ranges up to 6, which grow near the top, by less than e^3.
     CHECK((result.states - exact.states).cwiseAbs().maxCoeff() < 40 * 6e-6 * 20);
-    // Derivatives are those of what the flow map answers, to what central differences leave: h^2 / 6 of third
-    // derivatives, which grow at most as the cube of e^3, 1.3e-7, and last digits of numbers up to 10 over h, which grow
-    // by e^3 as well, 4e-9.
+    // Derivatives are those of what the flow map answers, to what central differences leave: h^2 / 6 of
+    // third derivatives, which grow at most as the cube of e^3, 1.3e-7, and last digits of numbers up to 10
+    // over h, which grow by e^3 as well, 4e-9.
     constexpr double kStep = 1e-5;
     for (std::size_t k = 0; k < q.size(); ++k) {
       const auto end_of = [&](double by) -> Eigen::VectorXd {

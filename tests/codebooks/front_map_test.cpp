@@ -1,4 +1,5 @@
-// Coordinates that are counted from a front, by the answers of codebooks that have one (golden_front, whose formula is known).
+// Coordinates that are counted from a front, by the answers of codebooks that have one
+// (golden_front, whose formula is known).
 #include "samara/codebooks/book/front_map.h"
 
 #include <array>

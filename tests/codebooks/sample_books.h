@@ -60,9 +60,10 @@ samara::codebooks::Codebook golden_climbs();
 /// exact to round-off, for k in [0, 1], certified at all places.
 samara::codebooks::Codebook golden_mesh();
 
-/// The codebook of the golden file of format 0.7, whose C is counted from a front that moves with k and h. With its number
-/// s on the axis u = (1 + t) s + k^2 + m and w = s^2 h, exact to round-off, for t in [0, 2], C in [1, 3], k and m in [0, 1],
-/// and h in [-2, 2]. On [-1, 1] the front is at 0.1 + 0.2 K - 0.3 H + 0.15 K (2 H^2 - 1), with K and H the others there.
+/// The codebook of the golden file of format 0.7, whose C is counted from a front that moves with k and h. With
+/// its number s on the axis u = (1 + t) s + k^2 + m and w = s^2 h, exact to round-off, for t in [0, 2], C in
+/// [1, 3], k and m in [0, 1], and h in [-2, 2]. On [-1, 1] the front is at 0.1 + 0.2 K - 0.3 H +
+/// 0.15 K (2 H^2 - 1), with K and H the others there.
 samara::codebooks::Codebook golden_front();
 
 /// The codebook of the golden file of format 0.3: golden_book() with the first piece as one train of both
@@ -71,9 +72,8 @@ samara::codebooks::Codebook golden_trains();
 
 /// The codebook of the golden file of format 0.2: an axis of every kind that a file can hold, and
 ///   u = v(0) sqrt(m) + t log(C_D) cos(2 angle) plies + k^2 / h, exact to round-off, with t in [0, 2]
-///   (legendre
-/// elements), C_D in [0.01, 10] (log), angle in [0, pi] (fourier), plies of 1, 2, 4 (discrete), v(0) in [0,
-/// 1] (p1), m in [0, 4] (square root), k in [-1, 1] (p2), h in [0.5, 8] (reciprocal).
+///   (legendre elements), C_D in [0.01, 10] (log), angle in [0, pi] (fourier), plies of 1, 2, 4 (discrete),
+///   v(0) in [0, 1] (p1), m in [0, 4] (square root), k in [-1, 1] (p2), h in [0.5, 8] (reciprocal).
 samara::codebooks::Codebook all_kinds();
 
 /// Random points of the codebook's box: coordinates x count; of discrete axes, random values.

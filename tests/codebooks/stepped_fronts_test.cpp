@@ -82,8 +82,8 @@ TEST_CASE("a front that moves is followed by elements, by values, derivatives an
   const Eigen::VectorXd sizes = borders.tail(axis.elements()) - borders.head(axis.elements());
   CHECK(sizes.maxCoeff() > 3.0 * sizes.minCoeff());
 
-  // Points of our own about the front, where the certificate has few. Slopes there are about e^(rate end) = 50; those of
-  // a polynomial err by its error times the square of its degree over half of an element.
+  // Points of our own about the front, where the certificate has few. Slopes there are about e^(rate end) = 50; those
+  // of a polynomial err by its error times the square of its degree over half of an element.
   const samara::models::ParametricModel model = model_of(book);
   Query query(book);
   samara::pgd::Random random(29);

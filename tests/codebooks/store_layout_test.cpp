@@ -1,4 +1,4 @@
-// Chunks without a size, behind checksums that are right: HDF5 itself would divide by them.
+// Chunks without a size, guarded by checksums that are right: HDF5 itself would divide by them.
 #include <cstdint>
 
 #include "damaged_codebook.h"

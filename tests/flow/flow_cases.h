@@ -158,8 +158,8 @@ inline Channel channel(double reynolds, int n) {
           k[at(j)] + std::abs(along) * (k[at(other)] - k[at(j)])};
 }
 
-/// The channel with a cylinder of the DFG benchmark (M. Schaefer, S. Turek 1996) in diameters and mean speeds, with n cells
-/// to a diameter: 22 long, 4.1 high, the cylinder's centre 2 from the inflow and 2 above the floor.
+/// The channel with a cylinder of the DFG benchmark (M. Schaefer, S. Turek 1996) in diameters and mean speeds, with n
+/// cells to a diameter: 22 long, 4.1 high, the cylinder's centre 2 from the inflow and 2 above the floor.
 inline FlowSetup dfg_channel(int n, double reynolds) {
   const auto speed = [](const Eigen::Vector3d& x) { return 6.0 * x.y() * (4.1 - x.y()) / (4.1 * 4.1); };
   Borders borders = stream();
@@ -214,8 +214,8 @@ struct MorisonFit {
   double drag = 0.0, added_mass = 0.0;
 };
 
-/// By least squares over the last of some periods of a circle that moves as x = -KC/(2 pi) sin(2 pi t/KC), KC = 5, in fluid
-/// at rest at Re 100, with n cells to its diameter and borders `side` diameters from the middle.
+/// By least squares over the last of some periods of a circle that moves as x = -KC/(2 pi) sin(2 pi t/KC), KC = 5, in
+/// fluid at rest at Re 100, with n cells to its diameter and borders `side` diameters from the middle.
 inline MorisonFit oscillating_circle(int n, double side, int periods) {
   const double period = 5.0, turn = 2.0 * kPi / period;
   const auto path = [turn](double t) {

@@ -107,7 +107,8 @@ TEST_CASE("energies below zero are counted, also beside walls that would cover t
   const double step = 0.1 * march.allowed_step();
   CHECK(march.advance(step).finite);
   CHECK(march.turbulence()->not_positive() == 0);
-  // In front of the face, where production and the wall's own eps come on top; away from walls; and behind the last eight.
+  // In front of the face, where production and the wall's own eps come on top; away from walls; and behind the last
+  // eight.
   for (const int i : {n - 1, 2, 3 * n + 1}) {
     KEpsilon& turbulence = *march.turbulence();
     const auto c = static_cast<std::size_t>(march.grid().at(i, 3 * n / 2));

@@ -94,8 +94,8 @@ TEST_CASE("a drag that still drifts has not settled, and its mean is not known",
 }
 
 TEST_CASE("shedding that still grows is no mean, and what was averaged of it is dropped", "[flow]") {
-  // As of an ellipse broadside on, four cells to its length, at Re 32,000: after its first ten periods the drag moves by less
-  // than 2 % in five of them, and grows by 14 % yet; at 600 l/U the drag of what was averaged still drifted.
+  // As of an ellipse broadside on, four cells to its length, at Re 32,000: after its first ten periods the drag moves
+  // by less than 2 % in five of them, and grows by 14 % yet; at 600 l/U the drag of what was averaged still drifted.
   const auto size = [](double t) { return 0.05 + 0.33 / (1.0 + std::exp((90.0 - t) / 15.0)); };
   const Series drag = [&](double t) { return 2.44 + 2.6 * size(t) * size(t); };
   const Series lift = [&](double t) { return size(t) * std::sqrt(2.0) * std::sin(2 * kPi * t / 5.0); };
@@ -117,8 +117,8 @@ TEST_CASE("shedding that still grows is no mean, and what was averaged of it is 
 }
 
 TEST_CASE("a drag that stands still while a tiny swing of the lift grows is no mean", "[flow]") {
-  // As of a plate broadside on, 32 cells to its length: from 80 to 120 l/U the drag is 1.685 of steady flow, while the lift
-  // grows by half every 5 l/U, until the plate sheds with a drag of more than 2.2.
+  // As of a plate broadside on, 32 cells to its length: from 80 to 120 l/U the drag is 1.685 of steady flow, while
+  // the lift grows by half every 5 l/U, until the plate sheds with a drag of more than 2.2.
   const auto with_swings = [](double first, double growth) {
     std::vector<PeriodMeans> periods;
     for (int i = 0; i < 8; ++i) {

@@ -205,8 +205,9 @@ TEST_CASE("over a way of many cells, a body takes the momentum that the fluid ar
   const Eigen::Vector2d lost = entered - (momentum() - before);
   INFO("impulse " << impulse.transpose() << ", lost " << lost.transpose());
   CHECK(impulse.norm() > 0.5);
-  // Loads that leave out what closing faces hand over miss 1.4 %; without the acceleration of what is left open beside closed
-  // faces they miss 0.7 % along the way of the body that swerves. Across it 16 cells give no more than 0.6 %.
+  // Loads that leave out what closing faces hand over miss 1.4 %; without the acceleration of what
+  // is left open beside closed faces they miss 0.7 % along the way of the body that swerves. Across
+  // it 16 cells give no more than 0.6 %.
   CHECK(std::abs(lost.x() - impulse.x()) < 0.003 * impulse.norm());
   CHECK(std::abs(lost.y() - impulse.y()) < (swerves ? 0.007 : 0.003) * impulse.norm());
 }

@@ -71,8 +71,8 @@ TEST_CASE("a circle at Re 20 comes to rest, with the bubble and no lift", "[flow
   const FlowResult result = solve_flow(flow, options);
   INFO(result.message << "; C_D " << result.drag.value << " bubble " << result.bubble_end);
   CHECK(result.status == FlowStatus::steady);
-  // 2.00 to 2.05 without borders: the sides, that near, add a quarter. Sixteen cells give 2.576. The bubble ends at 1.42
-  // without borders, and here on sixteen cells.
+  // 2.00 to 2.05 without borders: the sides, that near, add a quarter. Sixteen cells give 2.576. The bubble ends at
+  // 1.42 without borders, and here on sixteen cells.
   CHECK(result.drag.value == Approx(2.576).epsilon(0.01));
   CHECK(result.bubble_end == Approx(1.42).epsilon(0.05));
   CHECK(std::abs(result.lift) < 1e-3);

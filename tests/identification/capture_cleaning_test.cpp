@@ -78,8 +78,8 @@ TEST_CASE("a frame period that is known is kept, and frames are counted by it") 
     }
     largest_fitted = std::max(largest_fitted, std::abs(on_frame_grid(capture).period - period));
   }
-  // Rounding has a standard deviation of 1/sqrt(12) ms, a slope through 22 of them sqrt(12)/22^1.5 of that: 0.14 % of the
-  // period. The largest of 20 is more.
+  // Rounding has a standard deviation of 1/sqrt(12) ms, a slope through 22 of them sqrt(12)/22^1.5 of that: 0.14 % of
+  // the period. The largest of 20 is more.
   CHECK(largest_fitted > 1e-3 * std::pow(22.0, -1.5));
   const Capture capture = capture_of(Eigen::VectorXd::LinSpaced(9, 0.0, 0.8), {});
   // Longer than what lies between frames: places increase, and the whole clock would be stretched.

@@ -9,7 +9,8 @@
 /// Trajectories by a formula.
 class ClosedFormFamily : public samara::models::TrajectoryFamily {
  public:
-  /// The outputs at a time, and, if wanted, their derivatives: those of all outputs by the first coordinate, by the next..
+  /// The outputs at a time, and, if wanted, their derivatives: those of all outputs by the first coordinate, by the
+  /// next..
   using Motion = std::function<void(std::span<const double> q, double t, Eigen::RowVectorXd& values,
                                     Eigen::RowVectorXd* derivatives)>;
 

@@ -181,8 +181,8 @@ TEST_CASE("an angle that no frame shows is found from the places, up to the half
 }
 
 TEST_CASE("a fall that is lost is found again, and hardly any is lost where the model may be off a little") {
-  // Of starts that places alone show, a normal distribution is too sure: a filter whose model knows no noise cannot leave
-  // a wrong angle.
+  // Of starts that places alone show, a normal distribution is too sure: a filter whose model knows
+  // no noise cannot leave a wrong angle.
   const auto model = models::find_model("falling_plate");
   FollowOptions options = plate_options({.place = 5e-4, .angle = 0.0});
   constexpr int kFrames = 60;

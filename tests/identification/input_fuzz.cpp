@@ -1,6 +1,6 @@
-// Damaged plans, captures, sidecars, exports and PEtab tables: the calls of `samara build --dry-run` and `samara fit` give
-// an answer, or an exception that stands for a documented exit code (3: a file is wrong), in less than ten seconds;
-// nothing else.
+// Damaged plans, captures, sidecars, exports and PEtab tables: the calls of `samara build --dry-run` and
+// `samara fit` give an answer, or an exception that stands for a documented exit code (3: a file is wrong),
+// in less than ten seconds; nothing else.
 //
 //   input_fuzz COUNT [KIND]            so many of each kind: plan, csv, sidecar, export, petab
 //   input_fuzz --write FOLDER COUNT    so many of each kind as files, for the command itself (tests/apps/mutations.py)

@@ -318,7 +318,7 @@ TEST_CASE("the frame on the border of the span is seen, and not predicted") {
   const BrakedFamily family;
   const FitResult fitted = fit(family, braked(0, 3, 0.0), plain());
   std::vector<Capture> left_out = braked(3, 1, 0.0);
-  // Rounding has put it a little behind, where first() still takes it for the span's.
+  // Rounding has put it a little after it, where first() still takes it for the span's.
   left_out[0].times[12] += 1e-6;
   CHECK(first(left_out[0], 0.6).frame_count() == 13);
   const auto scores = predict_left_out(family, fitted, left_out, plain(), {.span = 0.6, .ahead = 0.5});

@@ -151,7 +151,7 @@ TEST_CASE("a forecast of several outputs is scored by the mean over what was mea
   CHECK(last.weights.isApprox(Eigen::Vector2d(0.25, 0.75)));
   CHECK(last.deviations.isApprox(Eigen::Vector2d(6.0, 6.0)));
   CHECK(scores.each_crps().back() == Approx(crps(last, -3.0)).epsilon(1e-15));
-  // One that is silent leaves its weight to the other.
+  // One that gives no forecast leaves its weight to the other.
   forecast.components[0].mean(1, 1) = kNoValue;
   CHECK(marginal(forecast, 1, 1).weights.isApprox(Eigen::VectorXd::Ones(1)));
 }

@@ -266,7 +266,7 @@ TEST_CASE("means of frames end with the family where rounding puts their last ju
   } family;
   const std::vector<double> times = even_times(21, 1.0);
   const Capture capture = make_capture("a", times, BrakedFamily::depths(1.0, 1.0, times));
-  // Half a mean before the first frame, half a mean behind the last.
+  // Half a mean before the first frame, half a mean after the last.
   family.endless.mutable_info().end_time = 1.1 - 1e-9;
   FitOptions options;
   options.compared.averaged_frames = 3;

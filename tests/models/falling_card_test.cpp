@@ -60,9 +60,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 }  // namespace
 
 // Model sheet, section 4.3: the four sets of coefficients of dissertation Figure 5.6, released about x, about
-// y and obliquely. Means over ten seconds of
-// periodic motion: a few percent of them is one swing more or less, and the smoothing of speeds below 0.02
-// m/s.
+// y and obliquely. Means over ten seconds of periodic motion: a few percent of them is one swing more or less, and
+// the smoothing of speeds below 0.02 m/s.
 
 TEST_CASE("the coefficients of steady descent give small flutter") {
   const Statistics s = release(kAboutX, kSteadyDescent);

@@ -42,8 +42,8 @@ TEST_CASE("the fixed-step Runge-Kutta method has order four on the falling card"
 }
 
 TEST_CASE("the errors of fixed steps on the falling card are those of the model sheet, section 4.2") {
-  // The card of the reference state: damping by each axis alone, the chord along
-  // the velocity, smoothed at 1e-9. Errors of the place.
+  // The card of the reference state: damping by each axis alone, the chord along the velocity,
+  // smoothed at 1e-9. Errors of the place.
   std::map<std::string, double> values = card_values();
   values["speed_floor"] = values["rate_floor"] = 1e-9;
   values["damping_isotropy"] = 0.0;

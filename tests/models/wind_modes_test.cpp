@@ -199,7 +199,8 @@ TEST_CASE("a frozen field is carried along, and one that is swept loses itself w
     return sum * (high - low) / kIntervals;
   };
   constexpr int kRealisations = 6000;
-  // Three components, 6000 draws: sigma^2 sqrt(3/6000) = 0.022 each time, and a factor of the size of u^2's own scatter.
+  // Three components, 6000 draws: sigma^2 sqrt(3/6000) = 0.022 each time, and a factor of the size of u^2's own
+  // scatter.
   const double tolerance = 4.0 * kSigma * kSigma * std::sqrt(2.0 * 3.0 / kRealisations);
   for (const double times : {0.5, 1.0}) {
     const double t = times * kLength / kSigma;

@@ -122,8 +122,8 @@ TEST_CASE("series of the standard have its variance and its spectrum in every ba
     target += iec_spectrum(Component::along, line / duration, 30.0, 10.0, kAlongSigma) / duration;
   CHECK_THAT(target, WithinRel(0.936 * kAlongSigma * kAlongSigma, 1e-3));
   CHECK_THAT(variance, WithinRel(target, 0.02));
-  // A line's mean over 200 seeds scatters by 0.07 in ln S, so the slope by 0.07/(0.8 sqrt(300)) = 0.005, as ln n does by
-  // 0.8. The spectrum itself has -1.656 there.
+  // A line's mean over 200 seeds scatters by 0.07 in ln S, so the slope by 0.07/(0.8 sqrt(300)) = 0.005, as ln n does
+  // by 0.8. The spectrum itself has -1.656 there.
   double sum = 0.0, x_sum = 0.0, y_sum = 0.0, xx = 0.0, xy = 0.0;
   for (std::size_t i = 0; i < sloping.size(); ++i) {
     const double x = std::log(sloping[i] / duration), y = std::log(sloping_power[i]);

@@ -158,7 +158,7 @@ TEST_CASE(
   CHECK(end.times[0] == Approx(2.23095287).epsilon(1e-8));
   CHECK(end.times[1] == Approx(2.02127461).epsilon(1e-8));
   CHECK(end.times[2] == Approx(2.87356322).epsilon(1e-8));
-  // One observation stands behind SD to AZ.
+  // SD to AZ rests on one observation.
   const Chance rare = MarkovChain::of_counts(source.counts).chance(std::vector<int>{0}, 2);
   CHECK(rare.lower < 0.01);
   CHECK(rare.upper > 0.15);

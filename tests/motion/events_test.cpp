@@ -215,7 +215,8 @@ std::vector<double> numbers_of(const Event& event, std::span<const double> state
   return numbers;
 }
 
-/// Sees the columns of a run, from different ones on, in lanes of packs; lane `copied` goes on as lane 0 from `from` on.
+/// Sees the columns of a run, from different ones on, in lanes of packs; lane `copied` goes on as lane 0 from `from`
+/// on.
 std::vector<std::vector<double>> seen_in_packs(const Run& run, std::size_t width, std::size_t lanes,
                                                std::size_t copied, std::size_t from) {
   EventLanes finders(run.moving, run.options, static_cast<Eigen::Index>(lanes), width);

@@ -268,7 +268,7 @@ TEST_CASE("what the pivots missed is found with the probability that the guard's
   // A block of m^3 of 20^3 entries is missed by g guard entries with a probability of at most
   // (1 - m^3 / 20^3)^g, less where a fibre of the pivots meets it:
   //   m = 5: 1.6 %, g = 200:  4 %     g = 1000: 1.5e-7
-  //   m = 3: 0.34 %,g = 200: 51 %     g = 5000: 4.6e-8
+  //   m = 3: 0.34 %, g = 200: 51 %    g = 5000: 4.6e-8
   // No result may be silently wrong more often: "converged" with an error beyond 3 tolerances.
   const double tolerance = 1e-4;
   const auto silently_wrong = [&](int width, int guard_entries, int seeds) {

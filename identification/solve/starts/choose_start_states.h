@@ -20,8 +20,7 @@ namespace samara::identification {
 void choose_start_states(const models::ParametricModel& equations, const FitProblem& problem,
                          std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point = false);
 
-/// The own unknowns of one segment alone, the shared ones held and joins ignored, by
-/// Levenberg and Marquardt.
+/// The own unknowns of one segment alone, the shared ones held and joins ignored, by Levenberg and Marquardt.
 /// @param own from where; where it ended afterwards
 /// @param frames only the first so many are compared
 /// @returns 1/2 sum rho; infinite if there is no trajectory at the start

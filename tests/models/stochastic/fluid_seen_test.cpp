@@ -86,7 +86,8 @@ TEST_CASE("particles of the fluid have its variance, memory, increments and spre
 }
 
 TEST_CASE("processes that have only the right variance are found out") {
-  // Euler's steps; the same with an amplitude tuned to the variance; white noise behind a filter that is tuned at T/10.
+  // Euler's steps; the same with an amplitude tuned to the variance; white noise through a filter that is tuned at
+  // T/10.
   CHECK(faults_of(stepped([](double u, double h, double z) {
           return u - h * u + std::sqrt(2.0 * h) * z;
         })).size() >= 8);

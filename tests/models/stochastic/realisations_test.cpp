@@ -68,7 +68,7 @@ bool same_bits(const Ensemble& a, const Ensemble& b) {
   return same;
 }
 
-/// The toy of a thousand copies: one generator behind all realisations, in the order in which they come.
+/// The toy of a thousand copies: one generator for all realisations, in the order in which they come.
 class SharedGenerator final : public AirSource {
  public:
   std::unique_ptr<AirAlongPath> realisation(std::uint64_t, bool) const override {
