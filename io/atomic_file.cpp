@@ -56,6 +56,10 @@ fs::path followed(const fs::path& given) {
   return path;
 }
 
+mode_t mode_of(const fs::file_status& status) {
+  return static_cast<mode_t>(status.permissions()) & 0777;
+}
+
 bool is_stream(const fs::file_status& status) {
   return fs::is_character_file(status) || fs::is_fifo(status) || fs::is_socket(status);
 }
@@ -79,9 +83,9 @@ PendingFile::PendingFile(const fs::path& final_path) : given_(final_path), targe
   const Descriptor file(::open(candidate.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666));
   if (!file.valid()) cannot_write(given_, std::strerror(errno));
   temporary_ = candidate;
-  // Whoever was kept from the old content is kept from the new. Where a file system has no permissions there
-  // is nothing to keep.
-  if (fs::exists(status)) ::fchmod(file.get(), static_cast<mode_t>(status.permissions()) & 0777);
+  // Whoever was kept from the old content is kept from the new; but its owner has to write it. Where a file system has
+  // no permissions there is nothing to keep.
+  if (fs::exists(status)) ::fchmod(file.get(), mode_of(status) | S_IRUSR | S_IWUSR);
 }
 
 PendingFile::~PendingFile() {
@@ -118,11 +122,13 @@ void PendingFile::write(std::string_view content) {
 
 void PendingFile::commit() {
   if (temporary_.empty()) cannot_write(given_, "it was committed before");
+  std::error_code error;
   {
     const Descriptor file(::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC));
     if (!file.valid() || ::fsync(file.get()) != 0) cannot_write(given_, std::strerror(errno));
+    const fs::file_status replaced = fs::status(target_, error);
+    if (fs::exists(replaced)) ::fchmod(file.get(), mode_of(replaced));
   }
-  std::error_code error;
   fs::rename(temporary_, target_, error);
   if (error) cannot_write(given_, error.message());
   // The new name reaches the disk with the directory; where a file system has no such call, the content is

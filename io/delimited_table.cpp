@@ -21,7 +21,6 @@ std::string delimiter_name(char delimiter) {
 class RecordReader {
  public:
   RecordReader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
     if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
     if (text_.find('\0') != std::string_view::npos) {
       throw InputError(file_, "holds a zero byte, expected text in UTF-8");

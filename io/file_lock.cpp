@@ -38,9 +38,12 @@ FileLock::FileLock(const std::filesystem::path& path, const std::string& purpose
   do {
     file_ = std::make_unique<Descriptor>(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
     if (!file_->valid()) return;
-    if (::flock(file_->get(), LOCK_EX | LOCK_NB) != 0)
+    int problem = EINTR;
+    while (problem == EINTR) problem = ::flock(file_->get(), LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+    if (problem == EWOULDBLOCK)
       throw ArgumentError(fmt::format("{} {} already ({} is its lock), expected one at a time",
                                       holder_of(file_->get()), purpose, path.string()));
+    if (problem != 0) return;  // a file system without locks, where nobody holds any
   } while (!is_at(path, file_->get()));
   const std::string own = fmt::format("{}", ::getpid());
   // Only for the message to others.

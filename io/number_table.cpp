@@ -17,13 +17,16 @@ namespace {
 
 using Eigen::Index;
 
-/// The offset after the header: the first line that is neither blank nor a comment.
+/// The offset after the header: the first line that is neither blank nor a comment, which, as in DelimitedTable, begins
+/// with its sign.
 std::size_t behind_header(std::string_view text) {
-  for (std::size_t begin = 0; begin < text.size();) {
+  for (std::size_t begin = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+       begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view line = trimmed(text.substr(begin, end - begin));
+    std::string_view line = text.substr(begin, end - begin);
+    if (line.ends_with('\r')) line.remove_suffix(1);
     begin = std::min(end + 1, text.size());
-    if (!line.empty() && line.front() != '#' && line.front() != '\r') return begin;
+    if (!line.starts_with('#') && !trimmed(line).empty()) return begin;
   }
   return text.size();
 }

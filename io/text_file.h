@@ -8,6 +8,9 @@
 /// Reading whole text files: plans, configs, sidecars, tables.
 namespace samara::io {
 
+/// What some programs begin a text in UTF-8 with.
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 /// What a file may ask of its reader.
 struct TextLimits {
   std::size_t bytes = std::size_t{256} << 20;

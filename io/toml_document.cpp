@@ -67,13 +67,9 @@ std::string description(const toml::node& value) {
   }
 }
 
-/// Why a value could not be converted; the caller adds the place.
-struct Refusal {
-  std::string sentence;
-};
-
+/// @throws ArgumentError, as all conversions do: why a value could not be converted. The caller adds the place.
 [[noreturn]] void expected(const std::string& what, const toml::node& found) {
-  throw Refusal{"expected " + what + ", found " + description(found)};
+  throw ArgumentError("expected " + what + ", found " + description(found));
 }
 
 std::string as_string(const toml::node& value) {
@@ -95,11 +91,7 @@ double as_quantity(const toml::node& value, std::string_view unit,
     if (!value.is_number()) expected("a number, or a string with a unit", value);
     return as_number(value);
   }
-  try {
-    return to_si(value.as_string()->get(), unit);
-  } catch (const ArgumentError& error) {
-    throw Refusal{error.what()};
-  }
+  return to_si(value.as_string()->get(), unit);
 }
 
 template <typename Convert>
@@ -109,8 +101,8 @@ auto as_list(const toml::node& value, const std::string& of_what, const Convert&
   for (const toml::node& element : *value.as_array()) {
     try {
       list.push_back(convert(element));
-    } catch (const Refusal& refusal) {
-      throw Refusal{"element " + std::to_string(list.size()) + ": " + refusal.sentence};
+    } catch (const ArgumentError& refusal) {
+      throw ArgumentError("element " + std::to_string(list.size()) + ": " + refusal.what());
     }
   }
   return list;
@@ -122,9 +114,14 @@ auto converted(const Node& node, const std::string& key, const Convert& convert)
   const toml::node& value = node.require(key);
   try {
     return convert(value);
-  } catch (const Refusal& refusal) {
-    throw node.error(node.line_of(value), key, refusal.sentence);
+  } catch (const ArgumentError& refusal) {
+    throw node.error(node.line_of(value), key, refusal.what());
   }
+}
+
+double more_than_zero(const TomlTable& table, const std::string& key, double value) {
+  if (std::isfinite(value) && value > 0.0) return value;
+  throw table.error(key, "is " + number_text(value) + "; more than 0 was expected");
 }
 
 /// Calls `get` if the key is there.
@@ -348,6 +345,14 @@ double TomlTable::difference(const std::string& key, std::string_view unit) cons
                    [&](const toml::node& value) { return as_quantity(value, unit, difference_to_si); });
 }
 
+double TomlTable::positive(const std::string& key, std::string_view unit) const {
+  return more_than_zero(*this, key, quantity(key, unit));
+}
+
+double TomlTable::positive_difference(const std::string& key, std::string_view unit) const {
+  return more_than_zero(*this, key, difference(key, unit));
+}
+
 std::vector<std::vector<std::string>> TomlTable::string_lists(const std::string& key) const {
   return converted(*node_, key, [](const toml::node& value) {
     return as_list(value, "arrays of strings",
@@ -407,6 +412,9 @@ std::optional<double> TomlTable::optional_number(const std::string& key) const {
 }
 std::optional<double> TomlTable::optional_quantity(const std::string& key, std::string_view unit) const {
   return if_present(has(key), [&] { return quantity(key, unit); });
+}
+std::optional<double> TomlTable::optional_positive(const std::string& key, std::string_view unit) const {
+  return if_present(has(key), [&] { return positive(key, unit); });
 }
 std::optional<std::vector<std::string>> TomlTable::optional_strings(const std::string& key) const {
   return if_present(has(key), [&] { return strings(key); });

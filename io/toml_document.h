@@ -70,6 +70,9 @@ class TomlTable {
   double quantity(const std::string& key, std::string_view unit) const;
   /// The same of an error, a deviation, a tolerance: see difference_to_si().
   double difference(const std::string& key, std::string_view unit) const;
+  /// A quantity, or a difference, that is more than 0. @throws InputError for another
+  double positive(const std::string& key, std::string_view unit) const;
+  double positive_difference(const std::string& key, std::string_view unit) const;
   std::vector<std::string> strings(const std::string& key) const;
   /// An array of arrays of strings.
   std::vector<std::vector<std::string>> string_lists(const std::string& key) const;
@@ -86,6 +89,7 @@ class TomlTable {
   std::optional<std::int64_t> optional_integer(const std::string& key) const;
   std::optional<double> optional_number(const std::string& key) const;
   std::optional<double> optional_quantity(const std::string& key, std::string_view unit) const;
+  std::optional<double> optional_positive(const std::string& key, std::string_view unit) const;
   std::optional<std::vector<std::string>> optional_strings(const std::string& key) const;
   std::optional<std::vector<double>> optional_numbers(const std::string& key) const;
   std::optional<std::vector<double>> optional_quantities(const std::string& key, std::string_view unit) const;

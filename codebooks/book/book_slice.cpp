@@ -37,12 +37,26 @@ std::vector<HeldCoordinate> checked(const Codebook& book, const std::map<std::st
   return coordinates;
 }
 
+/// Whether one piece ends along a coordinate where the other begins, and they have more than borders in common along
+/// the others.
+bool is_below(const Piece& one, const Piece& other, std::size_t coordinate) {
+  for (std::size_t k = 0; k < one.lower().size(); ++k) {
+    const double lower = std::max(one.lower()[k], other.lower()[k]);
+    const double upper = std::min(one.upper()[k], other.upper()[k]);
+    const bool is_one_value = one.lower()[k] == one.upper()[k] && lower == upper;
+    if (k != coordinate && !(lower < upper || is_one_value)) return false;
+  }
+  return one.lower()[coordinate] < other.lower()[coordinate] &&
+         one.upper()[coordinate] >= other.lower()[coordinate];
+}
+
 /// Whether the piece answers at the held values: at the border of two of them the lower one does.
 bool answers(const Codebook& book, const Piece& piece, const std::vector<HeldCoordinate>& held) {
   return std::ranges::all_of(held, [&](const HeldCoordinate& h) {
     const double lower = piece.lower()[h.place], upper = piece.upper()[h.place];
-    const bool is_lowest = lower == book.coordinates()[h.place].lower;
-    return (h.value > lower || (is_lowest && h.value == lower)) && h.value <= upper;
+    if (h.value != lower) return h.value > lower && h.value <= upper;
+    return std::ranges::none_of(book.pieces(),
+                                [&](const Piece& other) { return is_below(other, piece, h.place); });
   });
 }
 

@@ -232,6 +232,10 @@ Solution solve_by_trial(Build& build, const models::ParametricModel& model) {
     return chosen(solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress),
                   "the plan prescribes an axis, and sampling chooses its own");
   }
+  if (plan.builder.strategy != "auto") {
+    return chosen(solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress),
+                  "the plan names a strategy of the engine");
+  }
   if (std::optional<Solution> stepped = solve_by_steps_first(build, model)) return std::move(*stepped);
   CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
   Outcome<Solution> first = build.solve_by_sampling(calls, at_most(plan, kTrialTrajectories));

@@ -81,12 +81,18 @@ struct Shift {
   double codebook_start = 0.0;                 ///< what the codebook starts from
 };
 
+/// Where trajectories start whose start nothing holds.
+double default_start(const models::ParametricModel* equations, const std::string& output) {
+  if (equations == nullptr) return 0.0;
+  const std::vector<models::StateInfo>& states = equations->model().info().states;
+  const auto state = std::ranges::find(states, output, &models::StateInfo::name);
+  return state == states.end() ? 0.0 : state->default_initial;
+}
+
+/// @param equations of the family, null if it has none
 std::vector<Shift> shifts_of(const Codebook& book, const models::FamilyInfo& direct,
+                             const models::ParametricModel* equations,
                              const std::vector<std::string>& outputs) {
-  const auto value_of = [](const std::map<std::string, double>& values, const std::string& name) {
-    const auto found = values.find(name);
-    return found == values.end() ? 0.0 : found->second;
-  };
   std::vector<Shift> shifts;
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const std::string start = outputs[o] + "(0)";
@@ -94,8 +100,12 @@ std::vector<Shift> shifts_of(const Codebook& book, const models::FamilyInfo& dir
     const bool is_axis =
         std::ranges::any_of(book.coordinates(), [&](const Coordinate& c) { return c.name == start; });
     if (!moves || is_axis) continue;
+    const auto value_of = [&](const std::map<std::string, double>& values) {
+      const auto found = values.find(start);
+      return found == values.end() ? default_start(equations, outputs[o]) : found->second;
+    };
     shifts.push_back({static_cast<Eigen::Index>(o), position(direct.coordinates, start),
-                      value_of(direct.fixed, start), value_of(book.model().fixed, start)});
+                      value_of(direct.fixed), value_of(book.model().fixed)});
   }
   return shifts;
 }
@@ -104,10 +114,11 @@ class MixedSource final : public models::TrajectorySource {
  public:
   MixedSource(const Cover& cover, const SharedQueries& queries,
               std::unique_ptr<models::TrajectorySource> direct, const models::FamilyInfo& family,
-              const std::vector<double>& times, const std::vector<std::string>& outputs)
+              const models::ParametricModel* equations, const std::vector<double>& times,
+              const std::vector<std::string>& outputs)
       : cover_(cover),
         direct_(std::move(direct)),
-        shifts_(shifts_of(*cover.book, family, outputs)),
+        shifts_(shifts_of(*cover.book, family, equations, outputs)),
         outputs_(static_cast<Eigen::Index>(outputs.size())),
         coordinates_(family.coordinates.size()),
         q_(cover.coordinates.size()) {
@@ -122,7 +133,11 @@ class MixedSource final : public models::TrajectorySource {
                                      Eigen::MatrixXd* derivatives) override {
     models::check_point(q, coordinates_);
     if (!query_ || !cover_.contains(q)) return direct_->evaluate(q, values, derivatives);
-    ask(q);
+    try {
+      ask(q);
+    } catch (const OutsideBoxError&) {  // in a gap between pieces
+      return direct_->evaluate(q, values, derivatives);
+    }
     values = values_;
     if (derivatives) spread(*derivatives);
     for (const Shift& shift : shifts_) {
@@ -213,7 +228,8 @@ class MixedTrajectories final : public models::TrajectoryFamily {
   std::unique_ptr<models::TrajectorySource> mixed(std::unique_ptr<models::TrajectorySource> direct,
                                                   const std::vector<double>& times,
                                                   const std::vector<std::string>& outputs) const {
-    return std::make_unique<MixedSource>(cover_, queries_, std::move(direct), info_, times, outputs);
+    return std::make_unique<MixedSource>(cover_, queries_, std::move(direct), info_, equations(), times,
+                                         outputs);
   }
 
   const Codebook& book_;

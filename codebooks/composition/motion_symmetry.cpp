@@ -59,24 +59,37 @@ class Trials {
 
   /// Whether f at moved(x) is that at x, turned.
   template <class Move, class Turn>
-  bool keep(double t, const Move& moved, const Turn& turned) {
+  bool keep(const Move& moved, const Turn& turned) {
     return std::ranges::all_of(draws_, [&](const Draw& draw) {
-      return are_same_rates(rate(t, draw.at, moved(draw.states)), turned(draw.rates), sizes_);
+      return are_same_rates(rate(0.0, draw.at, moved(draw.states)), turned(draw.rates), sizes_);
     });
   }
   bool keep(const MotionImage& image) {
     return 2 * draws_.size() >= kDraws &&
-           keep(
-               0.0, [&](const Eigen::VectorXd& x) { return image.of(x); },
-               [&](const Eigen::VectorXd& f) -> Eigen::VectorXd { return image.linear * f; });
+           keep([&](const Eigen::VectorXd& x) { return image.of(x); },
+                [&](const Eigen::VectorXd& f) -> Eigen::VectorXd { return image.linear * f; });
   }
   /// Whether f stays as it is when a state is moved.
-  bool keep_moved(std::size_t state, double by, double t = 0.0) {
+  bool keep_moved(std::size_t state, double by) {
     const auto moved = [&](Eigen::VectorXd x) {
       x[static_cast<Eigen::Index>(state)] += by;
       return x;
     };
-    return keep(t, moved, [](const Eigen::VectorXd& f) { return f; });
+    return keep(moved, [](const Eigen::VectorXd& f) { return f; });
+  }
+  /// Whether f stays as it is over a window of time and a quarter of it beyond, at other times for every draw: what
+  /// acts for a short time is met, too.
+  bool keep_in_time(double window) {
+    constexpr int kTimes = 8;
+    double share = 0.0;
+    return std::ranges::all_of(draws_, [&](const Draw& draw) {
+      for (int k = 0; k < kTimes; ++k) {
+        share = std::fmod(share + std::numbers::phi, 1.0);
+        if (!are_same_rates(rate(1.25 * window * share, draw.at, draw.states), draw.rates, sizes_))
+          return false;
+      }
+      return true;
+    });
   }
 
  private:
@@ -201,13 +214,13 @@ bool are_same_rates(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Ei
 }
 
 MotionSymmetry motion_symmetry(const models::ParametricModel& model, std::span<const DrawnInterval> box,
-                               double later) {
+                               double window) {
   const models::ModelInfo& info = model.model().info();
   const std::size_t states = info.states.size();
   Trials trials(model, box);
   MotionSymmetry symmetry;
   symmetry.sizes = trials.sizes();
-  symmetry.autonomous = trials.keep_moved(0, 0.0, later);
+  symmetry.autonomous = trials.keep_in_time(window);
   for (std::size_t i = 0; i < states; ++i)
     symmetry.angles.push_back(!trials.keep_moved(i, 1.0) && trials.keep_moved(i, kFullTurn));
 

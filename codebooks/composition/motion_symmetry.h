@@ -48,8 +48,9 @@ bool are_same_rates(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Ei
 /// quaternion about the three axes of the body; other states keep their sign or change it, whatever fits (of up to
 /// twelve states). A reflection changes the signs of some states and nothing else; all that f keeps are listed, of
 /// models without groups of states (vectors, quaternions).
-/// @param box of the free coordinates  @param later time at which f is compared with that at 0 [s]
+/// @param box of the free coordinates
+/// @param window of time, over which and a little beyond f is compared with that at 0 [s]
 MotionSymmetry motion_symmetry(const models::ParametricModel& model, std::span<const DrawnInterval> box,
-                               double later);
+                               double window);
 
 }  // namespace samara::codebooks

@@ -108,7 +108,7 @@ WindowChart::WindowChart(const Codebook& book)
     throw ArgumentError(
         fmt::format("a flow map needs a codebook from t = 0 on; this one begins at {}", time.lower));
   }
-  symmetry_ = motion_symmetry(model_, box, 0.37 * window_);
+  symmetry_ = motion_symmetry(model_, box, window_);
   if (!symmetry_.autonomous) {
     throw ArgumentError(
         fmt::format("a flow map needs an autonomous model; \"{}\" depends on time", info.name));

@@ -16,25 +16,6 @@ namespace samara::codebooks {
 
 namespace {
 
-Termination status_of(pgd::EnrichTermination termination) {
-  switch (termination) {
-    case pgd::EnrichTermination::residual:
-    case pgd::EnrichTermination::amplitude:
-      return Termination::converged;
-    case pgd::EnrichTermination::max_rank:
-      return Termination::rank_limit;
-    case pgd::EnrichTermination::max_time:
-      return Termination::max_seconds;
-    case pgd::EnrichTermination::stagnation:
-      return Termination::stagnated;
-    case pgd::EnrichTermination::singular:
-      return Termination::failed;
-    case pgd::EnrichTermination::cancelled:
-      break;
-  }
-  return Termination::cancelled;
-}
-
 /// Root mean square of its largest term.
 double size_of_field(const pgd::SeparatedField& field) {
   const double size = field.rank() == 0 ? 0.0 : field.weights().cwiseAbs().maxCoeff();
@@ -68,7 +49,7 @@ BuildRecord enrichment_record(const pgd::EnrichResult& result) {
   BuildRecord record;
   record.builder = "pgd";
   record.strategy = "enrichment";
-  record.status = status_of(result.termination);
+  record.status = result.termination;
   record.message = result.message;
   for (const pgd::TermRecord& term : result.history)
     record.iterations = std::max(record.iterations, term.fixed_point_iterations);

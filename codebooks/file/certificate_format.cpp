@@ -123,6 +123,7 @@ Certificate read_certificate(const Hdf5Reader& file) {
     c.climbed_points = count_attribute(file, path, "climbed_points");
   if (file.has_attribute(path, "refuted_before"))
     c.refuted_before = count_attribute(file, path, "refuted_before");
+  if (c.met && c.points == 0) throw file.error(path, "points is 0, expected at least 1 where met is 1");
   const CertificateNumbers number{file, c.met, c.failed_points < c.points};
   c.max_error = number(path, "max_error");
   if (c.met && !(c.max_error <= c.tolerance)) {

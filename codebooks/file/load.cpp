@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "samara/codebooks/file/certificate_format.h"
 #include "samara/codebooks/file/description_format.h"
@@ -52,7 +53,8 @@ void check_version(const Hdf5Reader& file) {
 }
 
 /// Outputs of the certificate in the order of the codebook; the file sorts them by name.
-void order_outputs(Certificate& certificate, const Codebook& book) {
+/// @throws InputError if they are not those of the codebook
+void order_outputs(const Hdf5Reader& file, Certificate& certificate, const Codebook& book) {
   const auto place = [&](const OutputError& o) {
     const auto& outputs = book.outputs();
     return std::find_if(outputs.begin(), outputs.end(),
@@ -61,6 +63,16 @@ void order_outputs(Certificate& certificate, const Codebook& book) {
   };
   std::stable_sort(certificate.outputs.begin(), certificate.outputs.end(),
                    [&](const OutputError& a, const OutputError& b) { return place(a) < place(b); });
+  if (std::ranges::equal(certificate.outputs, book.outputs(), {}, &OutputError::name,
+                         &pgd::OutputLabel::name))
+    return;
+  const auto names = [](const auto& outputs) {
+    std::vector<std::string> list;
+    for (const auto& output : outputs) list.push_back(output.name);
+    return fmt::format("{}", fmt::join(list, ", "));
+  };
+  throw file.error("/certificate", fmt::format("is of the outputs {}, those of the codebook are {}",
+                                               names(certificate.outputs), names(book.outputs())));
 }
 
 /// A unit in the file against that of the model.
@@ -186,7 +198,7 @@ Codebook read_book(const std::filesystem::path& path, bool at_once) {
     if (file.has("/mesh")) book = book.with_mesh(read_mesh(file));
     if (!file.has("/certificate")) return book;
     Certificate certificate = read_certificate(file);
-    order_outputs(certificate, book);
+    order_outputs(file, certificate, book);
     return book.with_certificate(std::move(certificate));
   } catch (const ArgumentError& error) {
     throw file.error("/", error.what());

@@ -19,19 +19,6 @@ using models::wind::ProfileKind;
 using models::wind::ProfileOptions;
 using models::wind::WindProfile;
 
-/// A quantity that must be above 0 where it is given.
-std::optional<double> optional_positive(const TomlTable& table, const std::string& key,
-                                        const std::string& unit) {
-  const std::optional<double> value = table.optional_quantity(key, unit);
-  if (value && !(*value > 0.0))
-    throw table.error(key, fmt::format("is {:.6g} {}, expected more than 0", *value, unit));
-  return value;
-}
-
-double positive(const TomlTable& table, const std::string& key, const std::string& unit, double otherwise) {
-  return optional_positive(table, key, unit).value_or(otherwise);
-}
-
 double not_negative(const TomlTable& table, const std::string& key, const std::string& unit, double value) {
   if (!(value >= 0.0)) throw table.error(key, fmt::format("is {:.6g} {}, expected at least 0", value, unit));
   return value;
@@ -56,11 +43,11 @@ ProfileOptions read_profile(const TomlTable& mean) {
   if (kind == "uniform") options.kind = ProfileKind::uniform;
   mean.expect_keys(mean_keys(options.kind));
   options.speed = not_negative(mean, "speed", "m/s", mean.quantity("speed", "m/s"));
-  options.height = positive(mean, "height", "m", options.height);
-  options.roughness = positive(mean, "roughness", "m", options.roughness);
+  options.height = mean.optional_positive("height", "m").value_or(options.height);
+  options.roughness = mean.optional_positive("roughness", "m").value_or(options.roughness);
   options.displacement =
       not_negative(mean, "displacement", "m", mean.optional_quantity("displacement", "m").value_or(0.0));
-  options.exponent = positive(mean, "exponent", "1", options.exponent);
+  options.exponent = mean.optional_positive("exponent", "1").value_or(options.exponent);
   const double least = options.displacement + options.roughness;
   if (options.kind == ProfileKind::logarithmic && !(options.height > least)) {
     throw mean.error(
@@ -91,12 +78,12 @@ models::wind::TurbulenceOptions read_turbulence(const TomlTable& table, const Pr
   table.expect_keys(
       {"kind", "height", "sigma", "length", "constants", "ratios", "modes", "shortest", "longest", "frozen"});
   models::wind::TurbulenceOptions options;
-  options.height = optional_positive(table, "height", "m");
-  options.sigma = optional_positive(table, "sigma", "m/s");
+  options.height = table.optional_positive("height", "m");
+  options.sigma = table.optional_positive("sigma", "m/s");
   const bool has_iec_length = table.is_string("length") && table.string("length") == "iec";
-  if (!has_iec_length) options.length = optional_positive(table, "length", "m");
-  options.shortest = optional_positive(table, "shortest", "m");
-  options.longest = optional_positive(table, "longest", "m");
+  if (!has_iec_length) options.length = table.optional_positive("length", "m");
+  options.shortest = table.optional_positive("shortest", "m");
+  options.longest = table.optional_positive("longest", "m");
   if (options.shortest && options.longest && !(*options.longest > *options.shortest)) {
     throw table.error("longest", fmt::format("is {:.6g} m, expected more than the shortest wave, {:.6g} m",
                                              *options.longest, *options.shortest));
@@ -145,9 +132,7 @@ Gust read_gust(const TomlTable& table) {
   if (shape == "extreme_operating") options.shape = GustShape::extreme_operating;
   options.velocity = read_vector(table, "velocity");
   options.start = table.optional_quantity("start", "s").value_or(0.0);
-  options.duration = table.quantity("duration", "s");
-  if (!(options.duration > 0.0))
-    throw table.error("duration", fmt::format("is {:.6g} s, expected more than 0", options.duration));
+  options.duration = table.positive("duration", "s");
   if (table.has("travel")) {
     options.travel = read_vector(table, "travel");
     constexpr double kLeast = 1e-6;
@@ -171,9 +156,7 @@ SeriesKind read_series(const TomlTable& table, const ProfileOptions& mean) {
       throw table.error("spectrum", "\"kaimal\" follows from a logarithmic profile with a wind only");
     return kind;
   }
-  kind.sigma = table.quantity("sigma", "m/s");
-  if (!(kind.sigma > 0.0))
-    throw table.error("sigma", fmt::format("is {:.6g} m/s, expected more than 0", kind.sigma));
+  kind.sigma = table.positive("sigma", "m/s");
   return kind;
 }
 

@@ -60,7 +60,8 @@ void read_coordinates(const TomlTable& root, const PlanSubject& subject, Plan& p
     if (plan.fixed.count(key) > 0)
       throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
     plan.box.push_back(read_box_entry(box, key, unit));
-    check_meaning(box, key, subject, plan.box.back().lower);
+    for (const double end : {plan.box.back().lower, plan.box.back().upper})
+      check_meaning(box, key, subject, end);
   }
   if (plan.box.empty())
     throw root.error("box", fmt::format("is empty, expected at least one free {}", subject.what_settable));
@@ -111,9 +112,12 @@ void check_complete(const TomlTable& root, const Plan& plan) {
   if (!missing.empty()) throw root.error(key, fmt::format("needs {}, expected in [fixed] or [box]", missing));
   try {
     const models::ParametricModel model = plan.parametric_model();
-    std::vector<double> centre;
-    for (const BoxEntry& entry : plan.box) centre.push_back(0.5 * (entry.lower + entry.upper));
-    model.check(centre);
+    for (const double share : {0.5, 0.0, 1.0}) {
+      std::vector<double> point;
+      for (const BoxEntry& entry : plan.box)
+        point.push_back((1.0 - share) * entry.lower + share * entry.upper);
+      model.check(point);
+    }
   } catch (const ArgumentError& error) {
     throw InputError(plan.source, root.line(key), error.what());
   }

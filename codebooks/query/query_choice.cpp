@@ -1,7 +1,10 @@
 #include "samara/codebooks/query/query_choice.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -128,8 +131,23 @@ void in_ranges(Eigen::Index count, int threads, const std::function<void(Eigen::
     // A few ranges per thread: a thread that is done takes the next one.
     const Eigen::Index chunks = (count + kBatchChunk - 1) / kBatchChunk;
     const Eigen::Index range = kBatchChunk * std::max<Eigen::Index>(1, chunks / (4 * used));
-    parallel_for((count + range - 1) / range,
-                 [&](Eigen::Index i) { run(i * range, std::min(count, (i + 1) * range)); });
+    const Eigen::Index ranges = (count + range - 1) / range;
+    // What the first refused point says is thrown, whichever thread comes to its own first.
+    std::atomic<Eigen::Index> first_refused = ranges;
+    std::exception_ptr refusal;
+    std::mutex one_at_a_time;
+    parallel_for(ranges, [&](Eigen::Index i) {
+      if (i > first_refused) return;
+      try {
+        run(i * range, std::min(count, (i + 1) * range));
+      } catch (...) {
+        const std::lock_guard lock(one_at_a_time);
+        if (i > first_refused) return;
+        first_refused = i;
+        refusal = std::current_exception();
+      }
+    });
+    if (refusal) std::rethrow_exception(refusal);
   });
 }
 

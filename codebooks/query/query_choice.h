@@ -25,7 +25,7 @@ struct Prepared {
 Prepared prepare(const Codebook& book, const QueryOptions& options, std::optional<std::vector<double>> times);
 
 /// Calls run(first, last) for ranges of 0 .. count - 1, on as many threads as asked for.
-/// @throws ArgumentError for fewer than 0 threads
+/// @throws ArgumentError for fewer than 0 threads; of what ranges throw, that of the first one
 void in_ranges(Eigen::Index count, int threads, const std::function<void(Eigen::Index, Eigen::Index)>& run);
 
 }  // namespace samara::codebooks

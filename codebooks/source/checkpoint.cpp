@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "samara/base/errors.h"
 #include "samara/base/version.h"
 #include "samara/codebooks/source/list_edits.h"
 
@@ -19,7 +19,7 @@ namespace samara::codebooks {
 namespace {
 
 constexpr std::string_view kFormat = "samara-checkpoint";
-constexpr int kVersion = 6;
+constexpr int kVersion = 7;
 
 /// Checkpoints go on to the last bit, which only the program that wrote them does.
 std::string format_record() {
@@ -54,7 +54,7 @@ class RecordReader {
   double number() { return take<double>(); }
   std::vector<double> numbers() {
     const std::uint64_t count = whole();
-    if (count > rest_.size() / sizeof(double)) throw std::out_of_range("a record ends too early");
+    if (count > rest_.size() / sizeof(double)) throw ArgumentError("a record ends too early");
     std::vector<double> list(count);
     if (count > 0) std::memcpy(list.data(), rest_.data(), count * sizeof(double));
     rest_.remove_prefix(count * sizeof(double));
@@ -64,7 +64,7 @@ class RecordReader {
  private:
   template <class Number>
   Number take() {
-    if (rest_.size() < sizeof(Number)) throw std::out_of_range("a record ends too early");
+    if (rest_.size() < sizeof(Number)) throw ArgumentError("a record ends too early");
     Number number;
     std::memcpy(&number, rest_.data(), sizeof number);
     rest_.remove_prefix(sizeof number);
@@ -110,7 +110,7 @@ void take_sheets(std::string_view record, std::vector<CallSheet>& calls) {
   RecordReader reader(record);
   while (!reader.is_at_end()) {
     const std::uint64_t place = reader.whole();
-    if (place > calls.size()) throw std::out_of_range("a record is of calls that were not told");
+    if (place > calls.size()) throw ArgumentError("a record is of calls that were not told");
     if (place == calls.size()) calls.emplace_back();
     CallSheet& sheet = calls[place];
     sheet.times = reader.numbers();
@@ -213,7 +213,7 @@ Checkpoint::Contents Checkpoint::read(std::optional<Journal>& journal) const {
       if (record[0] == kSteps) steps.apply(edits_of(record));
       if (record[0] == kCalls) take_sheets(record, contents.calls);
     }
-  } catch (const std::out_of_range& error) {
+  } catch (const ArgumentError& error) {
     throw bad_checkpoint(path_, error.what());
   }
   contents.march = march.numbers();

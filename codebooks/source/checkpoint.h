@@ -89,7 +89,7 @@ std::function<void(const State&)> told_once(std::function<void(const State&)> sa
   return [save = std::move(save), warning = std::move(warning), warned = false](const State& state) mutable {
     try {
       save(state);
-    } catch (const ArgumentError& error) {
+    } catch (const Error& error) {  // a file that cannot be written, or read before it is written anew
       if (!warned && warning) warning(std::string("no checkpoint: ") + error.what());
       warned = true;
     }

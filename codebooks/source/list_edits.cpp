@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <stdexcept>
 #include <unordered_map>
 #include <utility>
+
+#include "samara/base/errors.h"
 
 namespace samara::codebooks {
 
@@ -102,7 +103,7 @@ void EditedList::add(std::vector<Part>& parts, Part part) const {
 
 void EditedList::add_copy(std::vector<Part>& parts, const ListEdit& edit) const {
   if (edit.from > size_ || edit.count > size_ - edit.from)
-    throw std::out_of_range("an edit copies what is not in the list");
+    throw ArgumentError("an edit copies what is not in the list");
   if (edit.count == 0) return;
   auto p = static_cast<std::size_t>(std::ranges::upper_bound(begins_, edit.from) - begins_.begin()) - 1;
   std::size_t skipped = edit.from - begins_[p];

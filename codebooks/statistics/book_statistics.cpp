@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/require.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/book/book_slice.h"
 #include "samara/codebooks/statistics/input_draws.h"
@@ -86,9 +87,8 @@ void check(const Codebook& book, const StatisticsRequest& request, BookStatistic
           fmt::format("a quantile is asked for at {}, expected a share between 0 and 1", share));
   }
   constexpr int kFewest = 100, kMost = 10'000'000;
-  if (request.draws < kFewest || request.draws > kMost)
-    throw ArgumentError(
-        fmt::format("{} draws are asked for, expected {} to {}", request.draws, kFewest, kMost));
+  require(request.draws >= kFewest && request.draws <= kMost, "draws", request.draws,
+          fmt::format("{} to {}", kFewest, kMost));
   for (const std::vector<std::string>& group : request.groups) {
     std::set<std::string> names;
     if (group.empty()) throw ArgumentError("a group of inputs is empty, expected at least one");

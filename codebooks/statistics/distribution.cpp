@@ -104,7 +104,17 @@ void require_distribution(const std::string& what, const Distribution& distribut
     return;
   }
   if (!(second > 0.0)) refuse("a deviation above 0");
-  if (kind == DistributionKind::log_normal && !(first > 0.0)) refuse("a median above 0");
+  if (kind != DistributionKind::log_normal) return;
+  if (!(first > 0.0)) refuse("a median above 0");
+  // Over nine such deviations a value leaves what doubles hold, and the rule takes panels for each of them.
+  constexpr double kWidest = 100.0;
+  if (second > kWidest) refuse("a deviation of the logarithm of at most 100");
+}
+
+void require_no_list(const pgd::Axis& axis) {
+  if (!axis.is_list()) return;
+  throw ArgumentError(fmt::format(
+      "\"{}\" is a list of values, which has no distribution; it can be set to one of them", axis.name()));
 }
 
 double probability_below(const Distribution& distribution, double x) {
@@ -122,9 +132,7 @@ double quantile_of(const Distribution& distribution, double share) {
 
 pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& axis) {
   require_distribution("\"" + axis.name() + "\"", distribution);
-  if (axis.is_list())
-    throw ArgumentError(fmt::format(
-        "\"{}\" is a list of values, which has no distribution; it can be set to one of them", axis.name()));
+  require_no_list(axis);
   const std::vector<double> borders = panel_borders(distribution, axis);
   // Products of two functions of an element, and a bell over one deviation.
   constexpr int kOfTheBell = 14;

@@ -26,8 +26,10 @@ std::string to_string(const Distribution& distribution);
 
 /// @param what whose it is, for the message
 /// @throws ArgumentError for numbers that are not finite, a least value not below the largest, a deviation or the
-///   median of a log-normal one not above 0
+///   median of a log-normal one not above 0, or a deviation of its logarithm above 100
 void require_distribution(const std::string& what, const Distribution& distribution);
+/// @throws ArgumentError if the axis is a list of values
+void require_no_list(const pgd::Axis& axis);
 
 /// The probability of values up to x.
 double probability_below(const Distribution& distribution, double x);

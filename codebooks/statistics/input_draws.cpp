@@ -102,18 +102,21 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
   }
   for (Eigen::Index k = 0; k < dimensions; ++k) {
     const Coordinate& box = coordinates[static_cast<std::size_t>(k)];
-    if (request.joint && std::ranges::find(request.joint->inputs, box.name) != request.joint->inputs.end())
+    const pgd::Axis axis = book.pieces().front().outline().axes[static_cast<std::size_t>(k + first)];
+    if (request.joint && std::ranges::find(request.joint->inputs, box.name) != request.joint->inputs.end()) {
+      require_no_list(axis);
       continue;
+    }
     auto row = draws.points.row(k);
     if (const auto fixed = request.fixed.find(box.name); fixed != request.fixed.end()) {
       row.setConstant(fixed->second);
       continue;
     }
     const auto given = request.inputs.find(box.name);
+    if (given != request.inputs.end()) require_no_list(axis);
     const Distribution distribution = given != request.inputs.end()
                                           ? given->second
                                           : Distribution{DistributionKind::uniform, box.lower, box.upper};
-    const pgd::Axis axis = book.pieces().front().outline().axes[static_cast<std::size_t>(k + first)];
     if (axis.is_list()) {
       row = row.unaryExpr([&](double share) { return value_of_list(axis, share); });
     } else {

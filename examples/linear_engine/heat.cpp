@@ -24,5 +24,5 @@ int main() {
     const std::vector<double> point = {0.5, 0.2, k, 1.0, 0.5};  // x, t, k, g, a
     std::printf("u(x = 0.5, t = 0.2; k = %.1f, g = 1, a = 0.5) = %.4f\n", k, field(point)[0]);
   }
-  return result.termination == EnrichTermination::residual ? 0 : 1;
+  return result.termination == samara::Termination::converged ? 0 : 1;
 }

@@ -21,5 +21,5 @@ int main() {
     const std::vector<int> index = {centre, i, 0};
     std::printf("u(centre; k = %6.3f, s = 1) = %.6f\n", disc.k.nodes()[i], u.entry(index));
   }
-  return result.termination == EnrichTermination::residual ? 0 : 1;
+  return result.termination == samara::Termination::converged ? 0 : 1;
 }

@@ -43,5 +43,5 @@ int main() {
   }
   std::printf("largest difference from the direct solution at m = %.1f: %.1e\n", m.nodes()[last],
               largest);
-  return result.termination == EnrichTermination::residual && largest < 1e-8 ? 0 : 1;
+  return result.termination == samara::Termination::converged && largest < 1e-8 ? 0 : 1;
 }

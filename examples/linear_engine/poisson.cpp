@@ -19,5 +19,5 @@ int main() {
   const std::vector<int> centre(10, 31);
   std::printf("%s: %s\n", to_string(result.termination).c_str(), result.message.c_str());
   std::printf("u(centre) = %.5f\n", result.solution.entry(centre));
-  return result.termination == EnrichTermination::residual ? 0 : 1;
+  return result.termination == samara::Termination::converged ? 0 : 1;
 }

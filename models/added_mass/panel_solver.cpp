@@ -32,17 +32,12 @@ double seconds_since(Clock::time_point start) {
 }
 
 void require_options(const PanelOptions& options) {
-  if (options.threads < 0) {
-    throw ArgumentError(
-        fmt::format("panel_added_mass: threads is {}; 0 (all) or more expected", options.threads));
-  }
-  if (!(options.tolerance > 0.0 && options.tolerance < 1.0)) {
-    throw ArgumentError(fmt::format("panel_added_mass: tolerance is {}; a number between 0 and 1 expected",
-                                    options.tolerance));
-  }
-  if (options.max_iterations < 0 || options.direct_up_to < 0) {
-    throw ArgumentError("panel_added_mass: max_iterations and direct_up_to must not be negative");
-  }
+  constexpr const char* kWhere = "panel_added_mass";
+  require(options.threads >= 0, "threads", options.threads, "0 (all) or more", kWhere);
+  require(options.tolerance > 0.0 && options.tolerance < 1.0, "tolerance", options.tolerance,
+          "a number between 0 and 1", kWhere);
+  require(options.max_iterations >= 0, "max_iterations", options.max_iterations, "0 or more", kWhere);
+  require(options.direct_up_to >= 0, "direct_up_to", options.direct_up_to, "0 or more", kWhere);
 }
 
 void require_memory(const TriangleMesh& mesh, const PanelOptions& options) {

@@ -185,6 +185,12 @@ TriangleMesh read_mesh(const std::string& path, double metres_per_unit, const Me
     throw ArgumentError(fmt::format("read_mesh: merge_tolerance is {}; a number in [0, 0.1] expected",
                                     options.merge_tolerance));
   }
+  // Its corners are counted in steps of the tolerance, by whole numbers that a double holds.
+  constexpr double kLeastTolerance = 0x1p-53;
+  if (options.merge_tolerance > 0.0 && options.merge_tolerance < kLeastTolerance) {
+    throw ArgumentError(fmt::format("read_mesh: merge_tolerance is {}; 0 or at least {} expected",
+                                    options.merge_tolerance, kLeastTolerance));
+  }
   TriangleMesh mesh = merged(import(path), metres_per_unit, options.merge_tolerance);
   try {
     if (options.turn_outward) mesh = oriented_outward(std::move(mesh));

@@ -22,7 +22,8 @@ struct MeshFileOptions {
 /// @param metres_per_unit what one unit of the file means: such files carry no unit. 1e-3 for millimetres.
 /// @throws InputError if the file cannot be read, has another ending, holds no triangles or a coordinate that
 ///   is not finite, or is not closed (require_closed, with the place in metres).
-/// @throws ArgumentError if metres_per_unit is not a positive number, or the tolerance is not in [0, 0.1].
+/// @throws ArgumentError if metres_per_unit is not a positive number, or the tolerance is not in [0, 0.1], or
+///   above 0 and below 2^-53.
 TriangleMesh read_mesh(const std::string& path, double metres_per_unit, const MeshFileOptions& options = {});
 
 }  // namespace samara::models

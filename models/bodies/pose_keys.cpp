@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 
 namespace samara::models {
 
@@ -32,9 +33,10 @@ bool is_between(const BodyPose& a, const BodyPose& b, double share, const BodyPo
 }
 
 void check_limits(const PoseKeyLimits& limits) {
-  if (!(limits.angle > 0.0) || !(limits.distance > 0.0) || !(limits.turn > 0.0))
-    throw ArgumentError(fmt::format("the limits of keys are {} rad, {} and {} rad, expected more than 0",
-                                    limits.angle, limits.distance, limits.turn));
+  constexpr const char* kWhere = "the limits of keys";
+  require(limits.angle > 0.0, "angle [rad]", limits.angle, "more than 0", kWhere);
+  require(limits.distance > 0.0, "distance", limits.distance, "more than 0", kWhere);
+  require(limits.turn > 0.0, "turn [rad]", limits.turn, "more than 0", kWhere);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "samara/base/number_text.h"
 #include "samara/base/require.h"
+#include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/models/checks/check_parts.h"
 #include "samara/models/checks/check_physics.h"
@@ -18,10 +19,6 @@
 #include "samara/models/checks/kinks.h"
 
 namespace samara::models {
-
-std::string quoted(const std::string& text) {
-  return "\"" + text + "\"";
-}
 
 namespace {
 
@@ -39,7 +36,7 @@ bool looks_like_a_name(std::string_view name) {
 
 void check_texts(const ModelInfo& info, Findings& findings) {
   const auto need = [&](const std::string& text, const std::string& what) {
-    if (text.empty()) findings.push_back("model " + quoted(info.name) + " has no " + what);
+    if (text.empty()) findings.push_back("model " + in_quotes(info.name) + " has no " + what);
   };
   need(info.name, "name");
   need(info.title, "title");
@@ -47,20 +44,20 @@ void check_texts(const ModelInfo& info, Findings& findings) {
   need(info.frames, "words on its frames");
   need(info.source, "source");
   need(info.validity, "range of validity");
-  if (info.states.empty()) findings.push_back("model " + quoted(info.name) + " has no states");
+  if (info.states.empty()) findings.push_back("model " + in_quotes(info.name) + " has no states");
 }
 
 void check_names_and_units(const ModelInfo& info, Findings& findings) {
   std::vector<std::string> seen;
   const auto look = [&](const std::string& name, const std::string& unit, const std::string& description) {
     if (!looks_like_a_name(name)) {
-      findings.push_back("name " + quoted(name) + " is not made of letters, digits and _, a letter first");
+      findings.push_back("name " + in_quotes(name) + " is not made of letters, digits and _, a letter first");
     }
-    if (std::ranges::count(seen, name) > 0) findings.push_back("name " + quoted(name) + " is used twice");
+    if (std::ranges::count(seen, name) > 0) findings.push_back("name " + in_quotes(name) + " is used twice");
     if (!reads_as_unit(unit)) {
-      findings.push_back("unit " + quoted(unit) + " of " + quoted(name) + " does not read as a unit");
+      findings.push_back("unit " + in_quotes(unit) + " of " + in_quotes(name) + " does not read as a unit");
     }
-    if (description.empty()) findings.push_back(quoted(name) + " has no description");
+    if (description.empty()) findings.push_back(in_quotes(name) + " has no description");
     seen.push_back(name);
   };
   for (const StateInfo& state : info.states) look(state.name, state.unit, state.description);
@@ -70,20 +67,20 @@ void check_names_and_units(const ModelInfo& info, Findings& findings) {
 void check_defaults(const ModelInfo& info, Findings& findings) {
   for (const StateInfo& state : info.states) {
     if (!std::isfinite(state.default_initial)) {
-      findings.push_back("the default initial value of " + quoted(state.name) + " is not finite");
+      findings.push_back("the default initial value of " + in_quotes(state.name) + " is not finite");
     }
   }
   for (const ParameterInfo& parameter : info.parameters) {
     if (!parameter.default_value) continue;
     const double value = *parameter.default_value;
     if (!std::isfinite(value))
-      findings.push_back("the default of " + quoted(parameter.name) + " is not finite");
+      findings.push_back("the default of " + in_quotes(parameter.name) + " is not finite");
     if (!in_meaning(parameter, value)) {
-      findings.push_back("the default of " + quoted(parameter.name) + ", " + number_text(value) +
+      findings.push_back("the default of " + in_quotes(parameter.name) + ", " + number_text(value) +
                          ", is outside its meaning");
     }
     if (!parameter.derived.empty()) {
-      findings.push_back(quoted(parameter.name) + " has both a default and a derived default");
+      findings.push_back(in_quotes(parameter.name) + " has both a default and a derived default");
     }
   }
 }
@@ -177,7 +174,7 @@ void check_values(const Model& model, const Point& point, Findings& findings) {
     }
     const double round_off = 1e-12 * terms;
     if (!(std::abs(f[i] - point.f[i]) <= round_off)) {
-      findings.push_back("the rate of " + quoted(info.states[i].name) + " is " + number_text(f[i]) +
+      findings.push_back("the rate of " + in_quotes(info.states[i].name) + " is " + number_text(f[i]) +
                          " without derivatives and " + number_text(point.f[i]) + " with them");
     }
   }
@@ -187,7 +184,7 @@ void check_values(const Model& model, const Point& point, Findings& findings) {
   }
   for (std::size_t j = 0; j < all.size() && j < info.parameters.size(); ++j) {
     if (point.p.given[j] && all[j] != point.p.value[j]) {
-      findings.push_back("the given value of " + quoted(info.parameters[j].name) +
+      findings.push_back("the given value of " + in_quotes(info.parameters[j].name) +
                          " is changed by completed()");
     }
   }
@@ -213,7 +210,7 @@ void check_points(const Model& model, const Point& point, Findings& findings) {
   model.jacobians_at_points(t, x, p, jacobians);
   const Eigen::VectorXd sizes = term_sizes(point);
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    const std::string name = quoted(model.info().states[static_cast<std::size_t>(i)].name);
+    const std::string name = in_quotes(model.info().states[static_cast<std::size_t>(i)].name);
     const double apart = (f.row(i).array() - point.f[static_cast<std::size_t>(i)]).abs().maxCoeff();
     if (!(apart <= kEqualRates * sizes[i]))
       findings.push_back("the rate of " + name + " at many points is another than at one");
@@ -251,7 +248,7 @@ void check_column(const Differentiated& of, double& variable, double size, const
     const double difference = (above[i] - below[i]) / (up - down);
     const double scale = std::abs(exact) + std::max(std::abs(above[i]), std::abs(below[i])) / size;
     if (std::abs(difference - exact) <= tolerance * scale) continue;
-    findings.push_back("the derivative of " + of.names[i] + " by " + quoted(name) + " is " +
+    findings.push_back("the derivative of " + of.names[i] + " by " + in_quotes(name) + " is " +
                        number_text(exact) + "; differences give " + number_text(difference, 8));
   }
 }
@@ -271,7 +268,7 @@ void check_columns(const Model& model, Point& point, const Differentiated& of,
     const Eigen::VectorXd column = by_p.col(static_cast<Eigen::Index>(j));
     if (!point.p.given[j]) {
       if (!column.isZero(0.0)) {
-        findings.push_back("the derivative by " + quoted(info.parameters[j].name) +
+        findings.push_back("the derivative by " + in_quotes(info.parameters[j].name) +
                            " is not zero although it is not given");
       }
       continue;
@@ -284,7 +281,7 @@ void check_columns(const Model& model, Point& point, const Differentiated& of,
 void check_derivatives(const Model& model, Point& point, double tolerance, Findings& findings) {
   Differentiated rates;
   for (const StateInfo& state : model.info().states)
-    rates.names.push_back("the rate of " + quoted(state.name));
+    rates.names.push_back("the rate of " + in_quotes(state.name));
   rates.evaluate = [&](std::span<double> f) { model.rhs(point.t, point.x, point.p, f); };
   check_columns(model, point, rates, point.df_dx, point.df_dp, tolerance, findings);
 }
@@ -292,7 +289,8 @@ void check_derivatives(const Model& model, Point& point, double tolerance, Findi
 void check_outputs(const Model& model, Point& point, double tolerance, Findings& findings) {
   const ModelInfo& info = model.info();
   Differentiated outputs;
-  for (const OutputInfo& output : info.outputs) outputs.names.push_back("the output " + quoted(output.name));
+  for (const OutputInfo& output : info.outputs)
+    outputs.names.push_back("the output " + in_quotes(output.name));
   if (outputs.names.empty()) return;
   outputs.evaluate = [&](std::span<double> y) { model.outputs(point.t, point.x, point.p, y); };
   const Eigen::Index count = std::ssize(info.outputs);
@@ -316,9 +314,10 @@ void check_symmetries(const Model& model, const Point& point, Findings& findings
     const std::string name = symmetry.substr(translation.size());
     const auto state = std::ranges::find(states, name, &StateInfo::name);
     if (state == states.end()) {
-      findings.push_back("symmetry " + quoted(symmetry) + " names no state");
+      findings.push_back("symmetry " + in_quotes(symmetry) + " names no state");
     } else if (!point.df_dx.col(state - states.begin()).isZero(0.0)) {
-      findings.push_back("symmetry " + quoted(symmetry) + " does not hold: f depends on " + quoted(name));
+      findings.push_back("symmetry " + in_quotes(symmetry) + " does not hold: f depends on " +
+                         in_quotes(name));
     }
   }
 }

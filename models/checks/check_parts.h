@@ -12,8 +12,6 @@ namespace samara::models {
 
 using Findings = std::vector<std::string>;
 
-std::string quoted(const std::string& text);
-
 /// f and its derivatives at one point, by the model.
 struct Point {
   double t = 0.0;

@@ -6,13 +6,14 @@
 #include <numbers>
 
 #include "samara/base/number_text.h"
+#include "samara/base/text.h"
 
 namespace samara::models {
 
 namespace {
 
 std::string rate_of(const ModelInfo& info, std::size_t state) {
-  return "the rate of " + quoted(info.states[state].name);
+  return "the rate of " + in_quotes(info.states[state].name);
 }
 
 /// x turned about the vertical by `angle`, group by group. Rates turn the same way.
@@ -82,7 +83,7 @@ void check_affinity(const Model& model, const Point& point, std::mt19937& random
   for (const std::string& name : info.affine_in) {
     const auto place = std::ranges::find(info.parameters, name, &ParameterInfo::name);
     if (place == info.parameters.end()) {
-      findings.push_back("f is said to be affine in " + quoted(name) + ", which is no parameter");
+      findings.push_back("f is said to be affine in " + in_quotes(name) + ", which is no parameter");
     } else {
       places.push_back(static_cast<std::size_t>(place - info.parameters.begin()));
     }
@@ -121,7 +122,7 @@ void check_forces(const Model& model, const Point& point, double tolerance, Find
   for (std::size_t k = 0; k < terms.size(); ++k) {
     const Wrench& term = terms[k];
     if (!term.force.allFinite() || !term.torque.allFinite() || !std::isfinite(term.power)) {
-      findings.push_back("the force term " + quoted(info.force_terms[k].name) + " is not finite");
+      findings.push_back("the force term " + in_quotes(info.force_terms[k].name) + " is not finite");
       return;
     }
     power += term.power;
@@ -151,7 +152,7 @@ void check_passivity(const Model& model, const Point& point, Findings& findings)
     const double size = terms[k].force.norm() * scales.velocity + terms[k].torque.norm() / scales.time;
     const double power = terms[k].power;
     if (power <= kEqualRates * size && (!is_idle || power >= -kEqualRates * size)) continue;
-    findings.push_back("the force term " + quoted(term.name) + " is said to " +
+    findings.push_back("the force term " + in_quotes(term.name) + " is said to " +
                        (is_idle ? "do no power" : "take power") + ", and gives " + number_text(power));
   }
 }
@@ -172,7 +173,7 @@ bool check_groups(const ModelInfo& info, Findings& findings) {
   bool apart = true;
   for (std::size_t i = 0; i < uses.size(); ++i) {
     if (uses[i] < 2) continue;
-    findings.push_back("state " + quoted(info.states[i].name) + " is in two groups");
+    findings.push_back("state " + in_quotes(info.states[i].name) + " is in two groups");
     apart = false;
   }
   return apart;
@@ -187,7 +188,7 @@ void check_rotation(const Model& model, const Point& point, std::mt19937& random
     const Eigen::Map<const Eigen::Vector4d> rate(point.f.data() + group.first);
     if (!(std::abs(q.dot(rate)) <= kEqualRates * sizes[group.first])) {
       findings.push_back("the norm of the quaternion from " +
-                         quoted(info.states[static_cast<std::size_t>(group.first)].name) +
+                         in_quotes(info.states[static_cast<std::size_t>(group.first)].name) +
                          " on changes along f");
     }
   }

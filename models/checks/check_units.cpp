@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/base/units.h"
 
@@ -66,7 +67,7 @@ void check_rates(const Model& model, const Point& point, const Point& changed, c
     const double bound = kEqualRates * sizes[static_cast<Eigen::Index>(i)];
     if (std::abs(back - point.f[i]) <= bound) continue;
     findings.push_back(
-        not_followed("the rate of " + quoted(info.states[i].name), quoted(unit) + " per s", change));
+        not_followed("the rate of " + in_quotes(info.states[i].name), in_quotes(unit) + " per s", change));
   }
 }
 
@@ -79,7 +80,7 @@ void check_force_units(const Model& model, const Point& point, const Point& chan
   model.forces(point.t, point.x, point.p, before);
   model.forces(changed.t, changed.x, changed.p, after);
   const auto look = [&](const std::string& what, const std::string& unit, double difference, double size) {
-    if (difference > kEqualRates * size) findings.push_back(not_followed(what, quoted(unit), change));
+    if (difference > kEqualRates * size) findings.push_back(not_followed(what, in_quotes(unit), change));
   };
   const auto factor = [&](const std::string& unit) { return change.of(unit); };
   // Terms may be small differences of larger things; all terms together say how large.
@@ -92,7 +93,7 @@ void check_force_units(const Model& model, const Point& point, const Point& chan
     power += std::abs(term.power);
   }
   for (std::size_t k = 0; k < before.size(); ++k) {
-    const std::string of = " of the term " + quoted(info.force_terms[k].name);
+    const std::string of = " of the term " + in_quotes(info.force_terms[k].name);
     look("the force" + of, units.force, (after[k].force / factor(units.force) - before[k].force).norm(),
          force);
     look("the torque" + of, units.torque, (after[k].torque / factor(units.torque) - before[k].torque).norm(),
@@ -123,8 +124,8 @@ void check_derived(const Model& model, const Point& point, const UnitChange& cha
     const std::string& unit = info.parameters[j].unit;
     const double expected = before[j] * change.of(unit);
     if (std::abs(after[j] - expected) <= kEqualRates * std::abs(expected)) continue;
-    findings.push_back(
-        not_followed("the derived default of " + quoted(info.parameters[j].name), quoted(unit), change));
+    findings.push_back(not_followed("the derived default of " + in_quotes(info.parameters[j].name),
+                                    in_quotes(unit), change));
   }
 }
 
@@ -133,7 +134,7 @@ void check_derived(const Model& model, const Point& point, const UnitChange& cha
 void check_known_units(const ModelInfo& info, Findings& findings) {
   const auto look = [&](const auto& item) {
     if (!reads_as_unit(item.unit) || is_coherent_si(item.unit)) return;
-    findings.push_back("unit " + quoted(item.unit) + " of " + quoted(item.name) +
+    findings.push_back("unit " + in_quotes(item.unit) + " of " + in_quotes(item.name) +
                        " is not made of base units of SI, rad, N, J, W, Pa and Hz");
   };
   for (const StateInfo& state : info.states) look(state);

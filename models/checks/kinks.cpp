@@ -9,6 +9,7 @@
 
 #include "samara/base/number_text.h"
 #include "samara/base/require.h"
+#include "samara/base/text.h"
 #include "samara/models/checks/check_parts.h"
 
 namespace samara::models {
@@ -312,13 +313,13 @@ std::vector<Line> lines_through(const Model& model, double t, std::span<const do
 
 std::string described(const Kink& kink) {
   const auto text = [](double value) { return number_text(value, 3); };
-  std::string sentence = "the rate of " + quoted(kink.rate) + (kink.is_of_rate ? " jumps" : " bends") +
+  std::string sentence = "the rate of " + in_quotes(kink.rate) + (kink.is_of_rate ? " jumps" : " bends") +
                          " at " + kink.state + " = " + text(kink.at) + " " + kink.unit;
   if (kink.distance > 0.0)
     sentence += ", within " + text(kink.distance) + " of a scale of " + text(kink.scale);
   sentence += (kink.is_of_rate ? ", by " : "; its slope changes by ") + text(kink.jump) +
               (kink.is_of_rate ? " of its size" : " of its size over the scale");
-  if (!kink.term.empty()) sentence += "; most of it is of the term " + quoted(kink.term);
+  if (!kink.term.empty()) sentence += "; most of it is of the term " + in_quotes(kink.term);
   if (!kink.floor.empty()) sentence += "; the distance is set by " + kink.floor;
   return sentence;
 }

@@ -125,8 +125,12 @@ class ExpressionReader {
       if (!times && !take("/")) return left;
       const Term right = signed_part();
       if (!times && graph_.is_constant(right.node, 0.0)) throw error(place, "divides by zero");
-      left = {make(place, times ? Operation::multiply : Operation::divide, left.node, right.node),
-              left.unit.times(right.unit, times ? 1 : -1)};
+      const int node = make(place, times ? Operation::multiply : Operation::divide, left.node, right.node);
+      try {
+        left = {node, left.unit.times(right.unit, times ? 1 : -1)};
+      } catch (const ArgumentError& beyond_use) {
+        throw error(place, beyond_use.what());
+      }
     }
   }
 

@@ -1,9 +1,12 @@
 #include "samara/models/equations/unit_powers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
 #include <fmt/format.h>
+
+#include "samara/base/errors.h"
 
 namespace samara::models {
 
@@ -13,6 +16,10 @@ namespace {
 constexpr int kLargestPower = 1000;
 constexpr std::array kBaseUnits = {"m", "kg", "s", "K", "A", "mol", "cd", "px", "frame"};
 
+bool is_measured(const UnitPowers::Power& power) {
+  return std::abs(power.numerator()) <= kLargestPower && power.denominator() <= kLargestPower;
+}
+
 }  // namespace
 
 UnitPowers::UnitPowers(const Dimension& d)
@@ -21,6 +28,9 @@ UnitPowers::UnitPowers(const Dimension& d)
 UnitPowers UnitPowers::times(const UnitPowers& other, int sign) const {
   UnitPowers product = *this;
   for (std::size_t k = 0; k < powers_.size(); ++k) product.powers_[k] += sign * other.powers_[k];
+  if (!std::ranges::all_of(product.powers_, is_measured))
+    throw ArgumentError(fmt::format("a product is measured in {}, expected powers of at most {}",
+                                    to_string(product), kLargestPower));
   return product;
 }
 
@@ -28,9 +38,7 @@ std::optional<UnitPowers> UnitPowers::raised(Power exponent) const {
   UnitPowers result;
   for (std::size_t k = 0; k < powers_.size(); ++k) {
     result.powers_[k] = powers_[k] * exponent;
-    if (std::abs(result.powers_[k].numerator()) > kLargestPower ||
-        result.powers_[k].denominator() > kLargestPower)
-      return std::nullopt;
+    if (!is_measured(result.powers_[k])) return std::nullopt;
   }
   return result;
 }

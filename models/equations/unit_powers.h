@@ -19,6 +19,7 @@ class UnitPowers {
   UnitPowers() = default;
   explicit UnitPowers(const Dimension& dimension);
 
+  /// @throws ArgumentError where a power would be beyond all use
   UnitPowers times(const UnitPowers& other, int sign = 1) const;
   /// @returns nothing where a power would be beyond all use
   std::optional<UnitPowers> raised(Power exponent) const;

@@ -6,6 +6,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/number_text.h"
+#include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 
 namespace samara::models {
@@ -14,10 +15,6 @@ namespace {
 
 std::string initial_name(const StateInfo& state) {
   return state.name + "(0)";
-}
-
-std::string quoted(const std::string& name) {
-  return "\"" + name + "\"";
 }
 
 /// The coordinate of that name.
@@ -34,8 +31,8 @@ FreeCoordinate find_coordinate(const ModelInfo& info, const std::string& name) {
     if (initial_name(state) == name) return {name, state.unit, true, static_cast<int>(i)};
     known.push_back(initial_name(state));
   }
-  throw ArgumentError("model " + quoted(info.name) + " has no parameter or initial value " + quoted(name) +
-                      suggestion(name, known));
+  throw ArgumentError("model " + in_quotes(info.name) + " has no parameter or initial value " +
+                      in_quotes(name) + suggestion(name, known));
 }
 
 std::string with_unit(double value, const std::string& unit) {
@@ -45,13 +42,13 @@ std::string with_unit(double value, const std::string& unit) {
 /// @throws ArgumentError if the value is not finite or outside the parameter's meaning.
 void check_value(const ModelInfo& info, const FreeCoordinate& coordinate, double value) {
   if (!std::isfinite(value)) {
-    throw ArgumentError(quoted(coordinate.name) + " is " + number_text(value) +
+    throw ArgumentError(in_quotes(coordinate.name) + " is " + number_text(value) +
                         "; a finite number was expected");
   }
   if (coordinate.is_initial) return;
   const ParameterInfo& parameter = info.parameters[static_cast<std::size_t>(coordinate.index)];
   if (in_meaning(parameter, value)) return;
-  throw ArgumentError(quoted(coordinate.name) + " is " + with_unit(value, parameter.unit) + "; a value " +
+  throw ArgumentError(in_quotes(coordinate.name) + " is " + with_unit(value, parameter.unit) + "; a value " +
                       meaning_text(parameter) + " was expected");
 }
 
@@ -61,10 +58,10 @@ void check_complete(const ModelInfo& info, const ParameterValues& p) {
   for (std::size_t j = 0; j < info.parameters.size(); ++j) {
     const ParameterInfo& parameter = info.parameters[j];
     if (p.given[j] || parameter.default_value || !parameter.derived.empty()) continue;
-    missing.push_back(quoted(parameter.name) + (parameter.unit == "1" ? "" : " [" + parameter.unit + "]"));
+    missing.push_back(in_quotes(parameter.name) + (parameter.unit == "1" ? "" : " [" + parameter.unit + "]"));
   }
   if (missing.empty()) return;
-  throw ArgumentError("model " + quoted(info.name) + " needs a value of " + join(missing) +
+  throw ArgumentError("model " + in_quotes(info.name) + " needs a value of " + join(missing) +
                       "; give it, or leave it free");
 }
 
@@ -91,11 +88,12 @@ ParametricModel::ParametricModel(std::shared_ptr<const Model> model,
   for (const std::string& name : free) {
     const FreeCoordinate coordinate = find_coordinate(info, name);
     if (fixed_.contains(name)) {
-      throw ArgumentError(quoted(name) + " is both fixed, at " + with_unit(fixed_.at(name), coordinate.unit) +
+      throw ArgumentError(in_quotes(name) + " is both fixed, at " +
+                          with_unit(fixed_.at(name), coordinate.unit) +
                           ", and free; one of the two was expected");
     }
     if (std::ranges::count(free_, name, &FreeCoordinate::name) > 0) {
-      throw ArgumentError(quoted(name) + " is listed twice among the free coordinates; once was expected");
+      throw ArgumentError(in_quotes(name) + " is listed twice among the free coordinates; once was expected");
     }
     if (!coordinate.is_initial) {
       base.given[static_cast<std::size_t>(coordinate.index)] = 1;
@@ -253,7 +251,7 @@ void ParametricModel::check(std::span<const double> q) const {
   }
   for (std::size_t j = 0; j < q.size(); ++j) check_value(model_->info(), free_[j], q[j]);
   const std::string problem = model_->problem(parameter_values(q));
-  if (!problem.empty()) throw ArgumentError("model " + quoted(model_->info().name) + ": " + problem);
+  if (!problem.empty()) throw ArgumentError("model " + in_quotes(model_->info().name) + ": " + problem);
   check_attitude(q);
 }
 
@@ -267,7 +265,7 @@ void ParametricModel::check_attitude(std::span<const double> q) const {
     for (int i = 0; i < 4; ++i) norm = std::hypot(norm, x0[static_cast<std::size_t>(group.first + i)]);
     if (norm > 0.0 && std::isfinite(norm)) continue;
     throw ArgumentError("the initial quaternion from " +
-                        quoted(initial_name(info.states[static_cast<std::size_t>(group.first)])) +
+                        in_quotes(initial_name(info.states[static_cast<std::size_t>(group.first)])) +
                         " on has the length " + number_text(norm) + "; a positive one was expected");
   }
 }

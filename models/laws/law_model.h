@@ -5,11 +5,11 @@
 #include <concepts>
 #include <cstring>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
 
+#include "samara/base/errors.h"
 #include "samara/models/batch/law_kernel.h"
 #include "samara/models/interface/model.h"
 
@@ -92,10 +92,10 @@ class LawModel final : public Model {
  public:
   explicit LawModel(Law law = {}) : law_(std::move(law)), info_(law_.info()) {
     if (info_.states.size() != kStates || info_.parameters.size() != kParameters) {
-      throw std::logic_error("law \"" + info_.name + "\" lists other states or parameters than it has");
+      throw ArgumentError("law \"" + info_.name + "\" lists other states or parameters than it has");
     }
     if (HasForces<Law> != !info_.force_terms.empty()) {
-      throw std::logic_error("law \"" + info_.name + "\" has force terms and no forces, or the reverse");
+      throw ArgumentError("law \"" + info_.name + "\" has force terms and no forces, or the reverse");
     }
     for (std::size_t j = 0; j < kParameters; ++j) {
       defaults_[j] = info_.parameters[j].default_value.value_or(0.0);
@@ -291,7 +291,7 @@ class LawModel final : public Model {
   std::array<double, kParameters> defaults_ = {};
 };
 
-/// @throws std::logic_error if what info() lists is not what the law has
+/// @throws ArgumentError if what info() lists is not what the law has
 template <class Law>
 std::shared_ptr<const Model> make_model(Law law = {}) {
   return std::make_shared<LawModel<Law>>(std::move(law));

@@ -1,6 +1,7 @@
 #include "samara/pgd/cross/field_functions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -141,15 +142,18 @@ FunctionResult quotient(const SeparatedField& f, const SeparatedField& g, const 
     if (!node.empty()) return refuse(m, coordinates(g.axes(), node), {});
   }
   const int second = f.output_count();
-  int changed = -1;  // the denominator that was not of its sign at a node visited
+  // The denominator that was not of its sign at the first node without a value, which is the one that is told.
+  int changed = -1;
+  bool is_finite = true;  // so far
   const PointFunction divide = [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
     for (int m = 0; m < p.count; ++m) {
       const int n = m * p.g_step;
       const double denominator = x[second + n];
       y[m] = x[m * p.f_step] / denominator;
-      if (signs[n] * denominator > 0.0) continue;
-      y[m] = std::numeric_limits<double>::quiet_NaN();
-      changed = n;
+      const bool keeps_sign = signs[n] * denominator > 0.0;
+      if (!keeps_sign) y[m] = std::numeric_limits<double>::quiet_NaN();
+      if (!keeps_sign && is_finite) changed = n;
+      is_finite = is_finite && std::isfinite(y[m]);
     }
   };
   FunctionResult result = function_of({f, g}, std::move(outputs), divide, options);

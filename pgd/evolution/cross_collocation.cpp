@@ -46,7 +46,7 @@ Outcome<SolvedSlab> CrossCollocation::solve(MarchContext& context, SlabCell& cel
   }
   cell.pivots = std::move(cross.pivots);
   result.iterations = static_cast<double>(iterations) / static_cast<double>(std::max(1L, entries_solved));
-  result.grid_evaluations = cross.grid_size * result.iterations * context.options().time_points;
+  result.grid_evaluations = cross.grid_size * result.iterations * MarchContext::kTimePoints;
   result.train = rounded(cross.train, cell.strictness * context.rounding(cell, cross.train));
   return result;
 }

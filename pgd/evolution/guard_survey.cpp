@@ -55,7 +55,7 @@ GuardSurvey survey_guards(const AdaptiveProblem& problem, const SlabOptions& opt
   for (const AdaptiveAxis& axis : problem.parameters)
     nodes.push_back(axis.nodes.value_or(options.first_nodes));
   SlabCell cell = whole_box(problem, scales, nodes, std::max(1, options.guards / kOneOf), random);
-  cell.length = options.largest_slab * problem.end;
+  cell.length = context.longest();
   const Eigen::Index states = context.states();
   Eigen::VectorXd smallest = cell.carried.rowwise().minCoeff(), largest = cell.carried.rowwise().maxCoeff();
   Eigen::MatrixXd neighbours = cell.carried + std::min(kApart, options.tolerance) *

@@ -16,6 +16,10 @@ constexpr double kIterationShare = 0.01;
 constexpr double kRoundingShare = 0.3;
 /// Largest over root mean square of that.
 constexpr double kPeak = 4.0;
+/// Of the whole time: the longest slabs.
+constexpr double kLargestSlab = 0.125;
+/// And the shortest elements that are tried.
+constexpr double kLeastSlab = 2e-4;
 
 }  // namespace
 
@@ -27,7 +31,15 @@ MarchContext::MarchContext(const AdaptiveProblem& problem, const SlabOptions& op
       scales_(scales),
       tolerance_(tolerance.wanted),
       most_lenient_(std::max(1.0, tolerance.largest / tolerance.wanted)),
-      collocation_(*problem.system, scales, options.time_points) {}
+      collocation_(*problem.system, scales, kTimePoints) {}
+
+double MarchContext::longest() const {
+  return kLargestSlab * problem_.end;
+}
+
+double MarchContext::shortest() const {
+  return kLeastSlab * problem_.end;
+}
 
 double MarchContext::rounding(const SlabCell& cell, const TensorTrain& train) const {
   return kRoundingShare / kPeak * cell.leniency * tolerance_ * std::sqrt(full_size(train));

@@ -22,6 +22,8 @@ struct LocalTolerance {
 /// evaluations are counted.
 class MarchContext {
  public:
+  static constexpr int kTimePoints = 8;  ///< Radau points of an element of time
+
   /// @param scales what errors are measured in. Problem, options and solver must outlive the context.
   MarchContext(const AdaptiveProblem& problem, const SlabOptions& options, const SlabSolver& solver,
                const Eigen::VectorXd& scales, LocalTolerance tolerance);
@@ -34,7 +36,9 @@ class MarchContext {
   /// What a slab may add to the error, and by how much more, as a factor, one with a kink.
   double tolerance() const { return tolerance_; }
   double most_lenient() const { return most_lenient_; }
-  double shortest() const { return options_.least_slab * problem_.end; }
+  /// The longest slabs, and the shortest elements that are tried.
+  double longest() const;
+  double shortest() const;
 
   const SlabSolver& solver() const { return solver_; }
   /// Euclidean tolerance at which a train over the nodes of the cell is rounded.

@@ -5,6 +5,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/pgd/cross/nodal_approximation.h"
+#include "samara/pgd/evolution/march_context.h"
 #include "samara/pgd/tensors/number_archive.h"
 
 namespace samara::pgd {
@@ -67,6 +68,15 @@ void check(const AdaptiveProblem& problem, const SlabCell& cell) {
     throw ArgumentError("the stored state of a march in slabs does not fit its problem");
 }
 
+/// What a march reads of the state besides its cells.
+void check(const AdaptiveProblem& problem, const MarchState& state) {
+  const auto states = static_cast<Eigen::Index>(problem.states.size());
+  if (state.smallest.size() == states && state.largest.size() == states &&
+      std::ranges::none_of(state.history, [](const SlabRecord& record) { return record.ranks.empty(); }))
+    return;
+  throw ArgumentError("the stored state of a march in slabs does not fit its problem");
+}
+
 template <class Archive>
 void transfer_pieces(Archive& archive, const AdaptiveProblem& problem, const SlabOptions& options,
                      std::vector<MarchPiece>& pieces) {
@@ -89,7 +99,7 @@ void transfer_pieces(Archive& archive, const AdaptiveProblem& problem, const Sla
     transfer_axes(archive, problem, options.max_nodes, axes);
     archive(train);
     if constexpr (Archive::kReads) {
-      axes.insert(axes.begin(), slab_axis(problem, borders, options.time_points));
+      axes.insert(axes.begin(), slab_axis(problem, borders));
       pieces.push_back({cell, borders.back(), TrainField(std::move(axes), problem.states, std::move(train))});
     }
   }
@@ -115,15 +125,16 @@ void transfer(Archive& archive, const AdaptiveProblem& problem, const SlabOption
   for (SlabRecord& record : state.history) transfer(archive, record);
   archive(state.random, state.evaluations, state.grid_evaluations, state.carried_error, state.left,
           state.smallest, state.largest);
+  if constexpr (Archive::kReads) check(problem, state);
 }
 
 }  // namespace
 
-Axis slab_axis(const AdaptiveProblem& problem, const std::vector<double>& borders, int time_points) {
+Axis slab_axis(const AdaptiveProblem& problem, const std::vector<double>& borders) {
   return Axis::radau(
       problem.time,
       Eigen::Map<const Eigen::VectorXd>(borders.data(), static_cast<Eigen::Index>(borders.size())),
-      time_points);
+      MarchContext::kTimePoints);
 }
 
 std::vector<double> archived(MarchState& state, const AdaptiveProblem& problem, const SlabOptions& options) {

@@ -41,6 +41,6 @@ MarchState restored(std::span<const double> numbers, const AdaptiveProblem& prob
                     const SlabOptions& options);
 
 /// Time of a slab: elements of the march's degree between the borders.
-Axis slab_axis(const AdaptiveProblem& problem, const std::vector<double>& borders, int time_points);
+Axis slab_axis(const AdaptiveProblem& problem, const std::vector<double>& borders);
 
 }  // namespace samara::pgd

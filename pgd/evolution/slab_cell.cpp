@@ -73,8 +73,10 @@ std::vector<SlabCell> halves(const SlabCell& cell, const AdaptiveProblem& proble
       if (corners(axis, j) == middle) cut.push_back(static_cast<int>(j));
     }
     const auto cut_corners = static_cast<Eigen::Index>(cut.size());
-    Eigen::MatrixXd fresh(corners.rows(), cut_corners + guards / 2);
-    fresh << corners(Eigen::all, cut), random_points(part.axes, guards / 2, random);
+    // Corners of many axes are no guards, and a half needs one at least.
+    const int drawn = std::max(1, guards / 2);
+    Eigen::MatrixXd fresh(corners.rows(), cut_corners + drawn);
+    fresh << corners(Eigen::all, cut), random_points(part.axes, drawn, random);
     const auto kept = static_cast<Eigen::Index>(inside.size());
     part.guards.resize(cell.guards.rows(), kept + fresh.cols());
     part.guards << cell.guards(Eigen::all, inside), fresh;

@@ -130,8 +130,9 @@ void SlabCollocation::picard(Chunk& chunk, double tolerance) const {
       const bool finite = std::isfinite(correction) && next.allFinite();
       if (finite && iteration > 0 && correction > tolerance)
         chunk.contraction = std::max(chunk.contraction, ratio);
-      // What is left of a contracting iteration is about ratio / (1 - ratio) of its last correction.
-      if (finite && ratio < 0.5 && correction * ratio <= 0.5 * tolerance) {
+      // What is left of a contracting iteration is about ratio / (1 - ratio) of its last correction. A state that stays
+      // where it is has no ratio.
+      if (finite && (correction == 0.0 || (ratio < 0.5 && correction * ratio <= 0.5 * tolerance))) {
         store(chunk, column, next);
         continue;
       }

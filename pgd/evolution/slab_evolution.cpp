@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/evolution/cross_collocation.h"
 #include "samara/pgd/evolution/guard_survey.h"
 #include "samara/pgd/evolution/slab_march.h"
@@ -28,7 +29,8 @@ constexpr double kFirstShare = 0.2;
 constexpr double kSeen = 0.5;
 /// Of the wanted error, what a march aims at.
 constexpr double kAimed = 0.7 * kSeen;
-/// A survey expects larger errors than come true, by this factor or so: slabs that are solved err by less than they may.
+/// A survey expects larger errors than come true, by this factor or so: slabs that are solved err by less than they
+/// may.
 constexpr double kPessimism = 6.0;
 /// Of the wanted error, what must be expected for smaller tolerances from the first slab on: they cost more.
 constexpr double kClearly = 0.6;
@@ -36,18 +38,18 @@ constexpr double kClearly = 0.6;
 constexpr double kOrder = 0.85;
 
 void validate(const SlabOptions& o) {
-  if (!(o.tolerance > 0.0) || o.time_points < 2 || o.max_elements < 1 || !(o.largest_slab > 0.0) ||
-      !(o.largest_slab <= 1.0) || !(o.joint_slab >= 0.0) || !(o.joint_slab <= 1.0) || !(o.least_slab > 0.0) ||
-      !(o.least_slab < o.largest_slab) || o.first_nodes < 2 || o.max_nodes < o.first_nodes ||
-      o.max_rank < 1 || o.max_cells < 1 || o.guards < 1 || o.max_marches < 1 || o.max_evaluations < 0) {
-    throw ArgumentError(fmt::format(
-        "SlabOptions: tolerance {}, time_points {}, max_elements {}, largest_slab {}, joint_slab {}, "
-        "least_slab {}, first_nodes {}, max_nodes {}, max_rank {}, max_cells {}, guards {}, max_marches {}, "
-        "max_evaluations {}; expected a positive tolerance, slabs within (0, 1], at least 2 time points and "
-        "nodes, and positive numbers, the last may be 0",
-        o.tolerance, o.time_points, o.max_elements, o.largest_slab, o.joint_slab, o.least_slab, o.first_nodes,
-        o.max_nodes, o.max_rank, o.max_cells, o.guards, o.max_marches, o.max_evaluations));
-  }
+  constexpr const char* kWhere = "SlabOptions";
+  require(o.tolerance > 0.0, "tolerance", o.tolerance, "a positive number", kWhere);
+  require(o.max_elements >= 1, "max_elements", o.max_elements, "1 or more", kWhere);
+  require(o.joint_slab >= 0.0 && o.joint_slab <= 1.0, "joint_slab", o.joint_slab, "0 to 1", kWhere);
+  require(o.first_nodes >= 2, "first_nodes", o.first_nodes, "2 or more", kWhere);
+  require(o.max_nodes >= o.first_nodes, "max_nodes", o.max_nodes,
+          fmt::format("first_nodes ({}) or more", o.first_nodes), kWhere);
+  require(o.max_rank >= 1, "max_rank", o.max_rank, "1 or more", kWhere);
+  require(o.max_cells >= 1, "max_cells", o.max_cells, "1 or more", kWhere);
+  require(o.guards >= 1, "guards", o.guards, "1 or more", kWhere);
+  require(o.max_marches >= 1, "max_marches", o.max_marches, "1 or more", kWhere);
+  require(o.max_evaluations >= 0, "max_evaluations", o.max_evaluations, "0 or more", kWhere);
 }
 
 void validate(const AdaptiveProblem& problem) {
@@ -125,9 +127,8 @@ std::vector<double> numbers_of(const AdaptiveProblem& problem, const SlabOptions
   }
   for (std::size_t s = 0; s < problem.states.size(); ++s)
     add(problem.scales[s], problem.scale_floors[s], problem.initial[s].value, problem.initial[s].axis);
-  add(options.tolerance, options.time_points, options.max_elements, options.largest_slab, options.joint_slab,
-      options.least_slab, options.first_nodes, options.max_nodes, options.max_rank, options.max_cells,
-      options.guards, options.max_marches, options.max_evaluations,
+  add(options.tolerance, options.max_elements, options.joint_slab, options.first_nodes, options.max_nodes,
+      options.max_rank, options.max_cells, options.guards, options.max_marches, options.max_evaluations,
       static_cast<std::uint32_t>(options.seed >> 32), static_cast<std::uint32_t>(options.seed));
   return writer.numbers();
 }
@@ -188,7 +189,9 @@ class Marches {
     const double error = march.carried_error() * scales_.cwiseQuotient(ranges).maxCoeff();
     const bool complete = march.status() == Termination::converged;
     const bool met = complete && error <= kSeen * options_.tolerance;
-    if (complete && !(error >= best_.error)) best_ = {march.state(), scales_, ranges, error};
+    // The first is kept whatever it errs by: the error is infinite where a guard point's own equations were not solved.
+    if (complete && (best_.state.empty() || !(error >= best_.error)))
+      best_ = {march.state(), scales_, ranges, error};
     const bool is_too_strict = march.status() == Termination::not_resolved && local_.wanted < loosest_.wanted;
     if (!met && (is_too_strict || !is_last(march))) {
       if (is_too_strict) {

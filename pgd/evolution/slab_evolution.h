@@ -31,18 +31,12 @@
 /// is repeated with smaller tolerances until that error meets the wanted one.
 namespace samara::pgd {
 
-class SlabSolver;
-
 struct SlabOptions {
   /// Wanted largest error over the box, in ranges of the states.
   double tolerance = 1e-4;
-  int time_points = 8;   ///< Radau points of an element
   int max_elements = 8;  ///< of a slab
-  /// Slabs are at most this part of the whole time, and the shortest elements that are tried `least_slab` of
-  /// it.
-  double largest_slab = 0.125;
-  double joint_slab = 0.03;  ///< the longest slab of more than one element, likewise
-  double least_slab = 2e-4;
+  /// The longest slab of more than one element, as a part of the whole time.
+  double joint_slab = 0.03;
   int first_nodes = 7;
   int max_nodes = 96;  ///< of a parameter axis in a cell
   int max_rank = 120;
@@ -103,10 +97,6 @@ void check_march(const AdaptiveProblem& problem, const SlabOptions& options);
 /// @throws ArgumentError if problem or options do not validate, or the state is not of this problem and these
 /// options.
 SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options = {},
-                          std::span<const double> state = {});
-
-/// The same, where a solver of one's own solves the slabs: see slab_solver.h, and march.h for strategies.
-SlabResult solve_by_slabs(const AdaptiveProblem& problem, SlabSolver& solver, const SlabOptions& options = {},
                           std::span<const double> state = {});
 
 }  // namespace samara::pgd

@@ -36,7 +36,7 @@ SlabMarch::SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options,
   for (const AdaptiveAxis& axis : problem.parameters)
     nodes.push_back(axis.nodes.value_or(options.first_nodes));
   SlabCell cell = whole_box(problem, scales, nodes, options.guards, state_.random);
-  cell.length = options.largest_slab * problem.end;
+  cell.length = context_.longest();
   state_.smallest = cell.carried.rowwise().minCoeff();
   state_.largest = cell.carried.rowwise().maxCoeff();
   state_.cells.push_back(std::move(cell));
@@ -167,7 +167,7 @@ double SlabMarch::carry_on(SlabCell& cell, const TensorTrain& train) {
       context_.solve(halved, cell.carried(Eigen::all, sound), cell.guards(Eigen::all, sound));
   cell.carried(Eigen::all, sound) = carried.values.bottomRows(states);
   const Eigen::MatrixXd here = values_at(train, cell.axes, cell.guards(Eigen::all, sound));
-  const Eigen::Index element = states * context_.options().time_points;
+  const Eigen::Index element = states * MarchContext::kTimePoints;
   double error = 0.0;
   for (Eigen::Index j = 0; j < carried.values.cols(); ++j) {
     if (carried.status[static_cast<std::size_t>(j)] != SlabPointStatus::solved) {
@@ -195,7 +195,7 @@ void SlabMarch::accept(SlabCell& cell, const SolvedSlab& solved, double error) {
   record.local_error = error;
   record.carried_error = carry_on(cell, train);
   state_.carried_error = std::max(state_.carried_error, record.carried_error);
-  const Axis time = slab_axis(problem, cell.slab->borders, context_.options().time_points);
+  const Axis time = slab_axis(problem, cell.slab->borders);
   state_.pieces.push_back(
       {cell.number, cell.slab->end(), slab_field(time, cell.axes, problem.states, context_.scales(), train)});
   record.cell = cell.number;

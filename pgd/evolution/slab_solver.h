@@ -1,9 +1,11 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "samara/base/termination.h"
 #include "samara/pgd/evolution/slab_cell.h"
+#include "samara/pgd/evolution/slab_evolution.h"
 #include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/tensor_train.h"
 
@@ -36,5 +38,9 @@ class SlabSolver {
   /// slabs must not change the result: marches that are taken up again begin without it.
   virtual Outcome<SolvedSlab> solve(MarchContext& context, SlabCell& cell, Random& random) = 0;
 };
+
+/// solve_by_slabs() with another solver of slabs than collocation.
+SlabResult solve_by_slabs(const AdaptiveProblem& problem, SlabSolver& solver, const SlabOptions& options = {},
+                          std::span<const double> state = {});
 
 }  // namespace samara::pgd

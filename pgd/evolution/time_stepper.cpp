@@ -22,7 +22,7 @@ constexpr double kCaution = 0.9;
 constexpr double kBeyond = 1e4;
 /// Part of its own size by which a solution moves within the shortest element where it is about to end.
 constexpr double kOwnSize = 0.02;
-/// Orders of convergence in time, over that of smooth solutions, that speak of a kink.
+/// Orders of convergence in time, over that of smooth solutions, that indicate a kink.
 constexpr double kKinked = 0.5;
 /// And lengths of elements, over the usual one.
 constexpr double kShort = 0.4;
@@ -64,7 +64,7 @@ std::optional<Ending> TimeStepper::probe(SlabCell& cell, const Eigen::MatrixXd& 
   const SlabOptions& options = context_.options();
   const double whole = context_.problem().end;
   const double least = context_.shortest();
-  double slab_end = std::min(cell.time + options.largest_slab * whole, whole);
+  double slab_end = std::min(cell.time + context_.longest(), whole);
   if (whole - slab_end < least) slab_end = whole;  // what is left would be shorter than any slab
   const Eigen::Index states = context_.states();
   ProbedSlab slab;
@@ -91,10 +91,12 @@ std::optional<Ending> TimeStepper::probe(SlabCell& cell, const Eigen::MatrixXd& 
     const WorstPoint worst = failed ? WorstPoint() : error_in_time(solved, slab.end(), end, cell.guards);
     const double error = std::max(worst.error, 1e-300);
     const auto wanted = [&] { return kShareOfTime * cell.leniency * context_.tolerance(); };
-    const auto factor = [&] { return kCaution * std::pow(wanted() / error, 1.0 / options.time_points); };
+    const auto factor = [&] {
+      return kCaution * std::pow(wanted() / error, 1.0 / MarchContext::kTimePoints);
+    };
     const bool slow =
-        refused.length > 0.0 &&
-        std::log(refused.error / error) < kKinked * options.time_points * std::log(refused.length / tried);
+        refused.length > 0.0 && std::log(refused.error / error) <
+                                    kKinked * MarchContext::kTimePoints * std::log(refused.length / tried);
     if (!failed && error > wanted() && cell.leniency < context_.most_lenient() &&
         (slow || tried < kShort * cell.usual_length)) {
       if (slab.borders.size() > 1) break;
@@ -131,7 +133,7 @@ bool TimeStepper::halve(SlabCell& cell) const {
     return true;
   }
   slab.borders.resize(elements / 2 + 1);
-  const Eigen::Index nodes = static_cast<Eigen::Index>(elements / 2) * context_.options().time_points + 1;
+  const Eigen::Index nodes = static_cast<Eigen::Index>(elements / 2) * MarchContext::kTimePoints + 1;
   slab.values.conservativeResize(nodes * context_.states(), Eigen::NoChange);
   slab.next_length = slab.end() - slab.borders[elements / 2 - 1];
   return true;

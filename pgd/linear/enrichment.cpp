@@ -131,11 +131,9 @@ class Enrichment {
     if (found > 0) return best;
     best.amplitude = 0.0;
     if (singular) {
-      stop(EnrichTermination::singular,
-           fmt::format("a one-dimensional problem is singular at term {}", rank() + 1));
+      stop(Termination::failed, fmt::format("a one-dimensional problem is singular at term {}", rank() + 1));
     } else {
-      stop(EnrichTermination::stagnation,
-           fmt::format("no product lowers the residual {:.3g}", state_.residual));
+      stop(Termination::stagnated, fmt::format("no product lowers the residual {:.3g}", state_.residual));
     }
     return best;
   }
@@ -206,30 +204,29 @@ class Enrichment {
 
   bool residual_reached() {
     if (!(state_.residual <= options_.residual_tolerance)) return false;
-    return stop(EnrichTermination::residual,
-                fmt::format("residual {:.3g} <= {:.3g} with {} terms", state_.residual,
-                            options_.residual_tolerance, rank()));
+    return stop(Termination::converged, fmt::format("residual {:.3g} <= {:.3g} with {} terms",
+                                                    state_.residual, options_.residual_tolerance, rank()));
   }
 
   bool amplitude_reached() {
     if (state_.history.empty()) return false;
     const double newest = state_.history.back().amplitude;
     if (!(newest < options_.amplitude_tolerance * state_.largest_amplitude)) return false;
-    return stop(EnrichTermination::amplitude,
+    return stop(Termination::converged,
                 fmt::format("term {} has amplitude {:.3g}, below {:.3g} of the largest", rank(), newest,
                             options_.amplitude_tolerance));
   }
 
   bool max_rank_reached() {
     if (rank() < options_.max_rank) return false;
-    return stop(EnrichTermination::max_rank,
+    return stop(Termination::rank_limit,
                 fmt::format("residual {:.3g} > {:.3g} with all {} terms allowed", state_.residual,
                             options_.residual_tolerance, options_.max_rank));
   }
 
   bool time_is_up() {
     if (options_.max_seconds == 0.0 || seconds_since(start_) < options_.max_seconds) return false;
-    return stop(EnrichTermination::max_time,
+    return stop(Termination::max_seconds,
                 fmt::format("residual {:.3g} > {:.3g} with {} terms after the {} s allowed", state_.residual,
                             options_.residual_tolerance, rank(), options_.max_seconds));
   }
@@ -239,9 +236,8 @@ class Enrichment {
     const auto& history = state_.history;
     if (history.size() <= span) return false;
     if (state_.residual < 0.95 * history[history.size() - 1 - span].residual) return false;
-    return stop(EnrichTermination::stagnation,
-                fmt::format("the last {} terms left the residual at {:.3g} > {:.3g}", span, state_.residual,
-                            options_.residual_tolerance));
+    return stop(Termination::stagnated, fmt::format("the last {} terms left the residual at {:.3g} > {:.3g}",
+                                                    span, state_.residual, options_.residual_tolerance));
   }
 
   bool cancelled() {
@@ -250,11 +246,11 @@ class Enrichment {
     const double fraction =
         std::clamp(std::log(state_.residual) / std::log(options_.residual_tolerance), 0.0, 1.0);
     if (options_.progress({"enrichment", fraction})) return false;
-    return stop(EnrichTermination::cancelled,
+    return stop(Termination::cancelled,
                 fmt::format("cancelled with {} terms at residual {:.3g}", rank(), state_.residual));
   }
 
-  bool stop(EnrichTermination why, std::string message) {
+  bool stop(Termination why, std::string message) {
     why_ = why;
     message_ = std::move(message);
     return true;
@@ -268,7 +264,7 @@ class Enrichment {
   FixedPoint fixed_point_;
   Random random_;
   EnrichState state_;
-  EnrichTermination why_ = EnrichTermination::singular;
+  Termination why_ = Termination::failed;
   std::string message_;
 };
 
@@ -303,26 +299,6 @@ EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options, 
   Enrichment enrichment(problem, options);
   enrichment.start_from(state);
   return enrichment.run();
-}
-
-std::string to_string(EnrichTermination termination) {
-  switch (termination) {
-    case EnrichTermination::residual:
-      return "residual";
-    case EnrichTermination::amplitude:
-      return "amplitude";
-    case EnrichTermination::max_rank:
-      return "max_rank";
-    case EnrichTermination::max_time:
-      return "max_time";
-    case EnrichTermination::stagnation:
-      return "stagnation";
-    case EnrichTermination::singular:
-      return "singular";
-    case EnrichTermination::cancelled:
-      return "cancelled";
-  }
-  return "unknown";
 }
 
 }  // namespace samara::pgd

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/pgd/linear/acceleration.h"
 #include "samara/pgd/linear/linear_problem.h"
 #include "samara/pgd/linear/sparse_solver.h"
@@ -23,18 +24,8 @@
 /// Usage:
 ///   LinearProblem problem{op, rhs, {}};
 ///   EnrichResult result = enrich(problem, {.residual_tolerance = 1e-6});
-///   if (result.termination != EnrichTermination::residual) report(result.message);
+///   if (result.termination != Termination::converged) report(result.message);
 namespace samara::pgd {
-
-enum class EnrichTermination {
-  residual,    ///< the residual tolerance is met
-  amplitude,   ///< new terms no longer matter by the amplitude tolerance
-  max_rank,    ///< the allowed number of terms is used up
-  max_time,    ///< the allowed seconds are used up
-  stagnation,  ///< new terms no longer lower the residual
-  singular,    ///< the 1-D problems could not be solved
-  cancelled,   ///< the progress callback asked for it
-};
 
 /// How the residual that decides is computed; see residual.h.
 enum class ResidualKind {
@@ -101,7 +92,9 @@ struct EnrichOptions {
 
 struct EnrichResult {
   SeparatedTensor solution;
-  EnrichTermination termination = EnrichTermination::singular;
+  /// converged (to the residual, or new terms no longer matter), rank_limit, max_seconds, stagnated (new terms no
+  /// longer lower the residual), failed (a 1-D problem is singular), cancelled
+  Termination termination = Termination::failed;
   std::string message = "enrich() was not called";
   double residual = 1.0;  ///< relative, of `solution`
   std::vector<TermRecord> history;
@@ -109,7 +102,7 @@ struct EnrichResult {
 };
 
 /// Solves D(U) = G. A right-hand side without terms, or whose terms cancel to rounding, gives the solution
-/// without terms and EnrichTermination::residual. The solution returned is the one with the lowest residual of all
+/// without terms and Termination::converged. The solution returned is the one with the lowest residual of all
 /// that were met after a term.
 /// @param start a first approximation (warm start), whose terms are projected and updated first
 /// @throws ArgumentError if the problem does not validate, or an option is out of range.
@@ -119,7 +112,5 @@ EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options =
 /// Goes on from a checkpoint of the same problem and options.
 /// @throws ArgumentError as above, or if the state's residual is not that of its solution in this problem.
 EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options, const EnrichState& state);
-
-std::string to_string(EnrichTermination termination);
 
 }  // namespace samara::pgd

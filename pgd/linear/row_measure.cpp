@@ -12,13 +12,16 @@ RowMeasure::RowMeasure(const LinearProblem& problem, std::size_t mode) {
   }
 }
 
+// Of no columns (a right-hand side without terms) Eigen's triangular solvers would read the first number.
 Eigen::MatrixXd RowMeasure::apply(const Eigen::MatrixXd& x) const {
+  if (x.size() == 0) return x;
   if (root_.size() > 0) return root_.triangularView<Eigen::Lower>().solve(x);
   if (weights_.size() > 0) return weights_.cwiseSqrt().asDiagonal() * x;
   return x;
 }
 
 Eigen::MatrixXd RowMeasure::squared(const Eigen::MatrixXd& x) const {
+  if (x.size() == 0) return x;
   if (root_.size() > 0) return root_.transpose().triangularView<Eigen::Upper>().solve(apply(x));
   if (weights_.size() > 0) return weights_.asDiagonal() * x;
   return x;

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
 #include "samara/pgd/nonlinear/separated_rates.h"
 #include "samara/pgd/nonlinear/strategy.h"
 #include "samara/pgd/tensors/train_algebra.h"
@@ -14,6 +13,9 @@
 namespace samara::pgd {
 
 namespace {
+
+/// Of the series.
+constexpr int kMaxOrder = 12;
 
 /// The weights w with which sum_k w_k g(lambda_k) is the Taylor coefficient of g of order `order`, for
 /// polynomials g of as many coefficients as there are nodes. By Chebyshev's polynomials, whose coefficients
@@ -47,15 +49,8 @@ Eigen::VectorXd chebyshev_roots(int count) {
 
 class Asymptotic final : public Strategy {
  public:
-  explicit Asymptotic(const AsymptoticOptions& options) : options_(options) {
-    if (options.max_order < 1 || options.max_order > 20) {
-      throw ArgumentError(
-          fmt::format("asymptotic_strategy: max_order {}, expected 1 to 20", options.max_order));
-    }
-  }
-
   std::string name() const override { return "the asymptotic numerical method"; }
-  int max_iterations() const override { return options_.max_order + 1; }
+  int max_iterations() const override { return kMaxOrder + 1; }
   int patience() const override { return 2; }
   std::string on_divergence(double ratio) const override {
     return fmt::format(
@@ -135,7 +130,6 @@ class Asymptotic final : public Strategy {
                          "a term of the series of f");
   }
 
-  AsymptoticOptions options_;
   TensorTrain jacobian_;
   std::vector<TensorTrain> terms_;
   std::optional<TensorTrain> source_;
@@ -145,8 +139,8 @@ class Asymptotic final : public Strategy {
 
 }  // namespace
 
-std::unique_ptr<Strategy> asymptotic_strategy(const AsymptoticOptions& options) {
-  return std::make_unique<Asymptotic>(options);
+std::unique_ptr<Strategy> asymptotic_strategy() {
+  return std::make_unique<Asymptotic>();
 }
 
 }  // namespace samara::pgd

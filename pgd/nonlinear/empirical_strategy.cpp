@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
 #include "samara/pgd/nonlinear/separated_rates.h"
 #include "samara/pgd/nonlinear/strategy.h"
 #include "samara/pgd/tensors/thin_svd.h"
@@ -19,6 +18,10 @@ namespace {
 
 /// Entries at which f and its interpolant are compared, in every training.
 constexpr int kCheckPoints = 24;
+/// Random ones, besides corners and middle.
+constexpr int kTrainingPoints = 16;
+/// Per iteration.
+constexpr int kMaxRetraining = 8;
 
 /// Interpolation rows of the columns of a basis: one after the other, where the next column is interpolated
 /// worst by those before (Chaturantabut and Sorensen 2010, algorithm 1).
@@ -48,20 +51,11 @@ struct Interpolation {
 
 class Empirical final : public Strategy {
  public:
-  explicit Empirical(const EmpiricalOptions& options) : options_(options) {
-    if (options.training_points < 0 || options.max_retraining < 1) {
-      throw ArgumentError(
-          fmt::format("empirical_strategy: {} training points, {} retrainings; expected no "
-                      "negative number and at least one",
-                      options.training_points, options.max_retraining));
-    }
-  }
-
   std::string name() const override { return "discrete empirical interpolation"; }
   std::optional<StrategyDetail> detail() const override { return detail_; }
 
   std::optional<Ending> begin(const StrategySlab& slab) override {
-    training_ = slab.training_entries(options_.training_points);
+    training_ = slab.training_entries(kTrainingPoints);
     pivots_ = {};
     return std::nullopt;
   }
@@ -80,7 +74,7 @@ class Empirical final : public Strategy {
       const Eigen::RowVectorXd errors = (values_at(source, entries) - exact).cwiseAbs().colwise().maxCoeff();
       detail_ = {"basis of f", static_cast<int>(basis->rows.size()), errors.maxCoeff()};
       const double wanted = 3.0 * kSourceShare * slab.tolerance();
-      if (!(errors.maxCoeff() > wanted) || training >= options_.max_retraining)
+      if (!(errors.maxCoeff() > wanted) || training >= kMaxRetraining)
         return LinearSlab{{}, slab.compressed(std::move(source), kSourceShare * slab.tolerance())};
       for (Eigen::Index j = 0; j < entries.cols(); ++j) {
         if (!(errors[j] > wanted)) continue;
@@ -142,13 +136,12 @@ class Empirical final : public Strategy {
   StrategyDetail detail_;
   CrossPivots pivots_;
   IndexBatch training_;
-  EmpiricalOptions options_;
 };
 
 }  // namespace
 
-std::unique_ptr<Strategy> empirical_strategy(const EmpiricalOptions& options) {
-  return std::make_unique<Empirical>(options);
+std::unique_ptr<Strategy> empirical_strategy() {
+  return std::make_unique<Empirical>();
 }
 
 }  // namespace samara::pgd

@@ -111,7 +111,7 @@ class Enrichment final : public Strategy {
     options.max_rank = kMostTerms;
     options.seed = slab.random().bits();
     const EnrichResult solved = enrich(problem, options, increment_.rank() > 0 ? &increment_ : nullptr);
-    if (solved.termination != EnrichTermination::residual && solved.residual * size > 10.0 * accuracy)
+    if (solved.termination != Termination::converged && solved.residual * size > 10.0 * accuracy)
       return out_of_terms(slab, solved.message);
     increment_ = compress(solved.solution, 0.1 * accuracy * entries).tensor;
     return std::nullopt;

@@ -26,14 +26,14 @@ std::optional<Ending> IteratedSlab::prepare(const AdaptiveProblem& problem, cons
   std::vector<Axis> axes;
   for (const AdaptiveAxis& axis : problem.parameters)
     axes.push_back(make_axis(axis, axis.nodes.value_or(options.first_nodes)));
-  const Axis time = Axis::radau(problem.time, 0.0, problem.end, kTrainingElements, options.time_points);
+  const Axis time = Axis::radau(problem.time, 0.0, problem.end, kTrainingElements, MarchContext::kTimePoints);
   return strategy_.prepare(problem_on(problem, time, std::move(axes), problem.scales),
                            0.1 * kStrategyShare * options.tolerance);
 }
 
 Outcome<SolvedSlab> IteratedSlab::solve(MarchContext& context, SlabCell& cell, Random& random) {
   const Axis time =
-      Axis::radau(context.problem().time, cell.time, cell.slab->end(), 1, context.options().time_points);
+      Axis::radau(context.problem().time, cell.time, cell.slab->end(), 1, MarchContext::kTimePoints);
   const EvolutionProblem problem =
       problem_on(context.problem(), time, cell.axes, {context.scales().begin(), context.scales().end()});
   const double tolerance = kStrategyShare * cell.strictness * cell.leniency * context.tolerance();

@@ -60,14 +60,16 @@ SlabResult march(const AdaptiveProblem& problem, Strategy& strategy, const SlabO
                  std::span<const double> state) {
   check_march(problem, options);
   IteratedSlab solver(strategy);
-  if (const std::optional<Ending> failure = solver.prepare(problem, options)) {
+  const std::optional<Ending> failure = solver.prepare(problem, options);
+  const long prepared = strategy.prepared().rhs + strategy.prepared().jacobian;
+  if (failure) {
     SlabResult result;
+    result.evaluations = prepared;
     result.status = failure->status;
     result.message = failure->message;
     result.where = failure->where;
     return result;
   }
-  const long prepared = strategy.prepared().rhs + strategy.prepared().jacobian;
   SlabOptions rest = options;
   if (options.max_evaluations > 0) rest.max_evaluations = std::max(1L, options.max_evaluations - prepared);
   SlabResult result = solve_by_slabs(problem, solver, rest, state);

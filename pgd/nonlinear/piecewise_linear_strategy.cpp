@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/nonlinear/monomial_product.h"
 #include "samara/pgd/nonlinear/piecewise_linear_system.h"
 #include "samara/pgd/nonlinear/separated_rates.h"
@@ -24,13 +24,11 @@ constexpr int kWeightCheckPoints = 50;
 class PiecewiseLinear final : public Strategy {
  public:
   explicit PiecewiseLinear(const PiecewiseLinearOptions& options) : options_(options) {
-    if (options.points < 1 || !(options.beta > 0.0) || options.samples < 1 ||
-        !(options.weight_tolerance >= 0.0)) {
-      throw ArgumentError(
-          fmt::format("piecewise_linear_strategy: {} points, beta {}, {} samples, weight_tolerance {}; "
-                      "expected positive numbers",
-                      options.points, options.beta, options.samples, options.weight_tolerance));
-    }
+    constexpr const char* kWhere = "piecewise_linear_strategy";
+    require(options.points >= 1, "points", options.points, "1 or more", kWhere);
+    require(options.samples >= 1, "samples", options.samples, "1 or more", kWhere);
+    require(options.weight_tolerance >= 0.0, "weight_tolerance", options.weight_tolerance, "0 or more",
+            kWhere);
   }
 
   std::string name() const override { return "piecewise-linear approximation"; }
@@ -47,7 +45,7 @@ class PiecewiseLinear final : public Strategy {
           fmt::format("training trajectories end after {} states, {} points are to be picked from them",
                       training.x.cols(), options_.points)};
     }
-    model_.emplace(*problem.system, training, options_.points, options_.beta);
+    model_.emplace(*problem.system, training, options_.points);
     prepared_.rhs += model_->rhs_evaluations();
     prepared_.jacobian += model_->jacobian_evaluations();
     return std::nullopt;

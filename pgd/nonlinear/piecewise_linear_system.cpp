@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/cross/nodal_approximation.h"
 #include "samara/pgd/evolution/slab_collocation.h"
 #include "samara/pgd/nonlinear/strategy_slab.h"
@@ -19,6 +20,9 @@ constexpr std::size_t kMostAxesWithCorners = 7;
 constexpr Eigen::Index kDependenceSamples = 32;
 /// Of the range of a parameter: the step of the slopes of an f that is not affine in it.
 constexpr double kDifferenceShare = 1e-3;
+/// Weights are exp(-beta (d_i^2 - d_min^2) / fill^2), normalised: d_i the distance to point i, states over
+/// their spread, fill the largest distance of a training state to its nearest point.
+constexpr double kBeta = 10.0;
 
 /// Corners of the box, and its middle.
 Eigen::MatrixXd training_parameters(const std::vector<Axis>& axes) {
@@ -81,18 +85,15 @@ TrainingStates train_along(const EvolutionProblem& problem, int samples, double 
 }
 
 PiecewiseLinearSystem::PiecewiseLinearSystem(const EvolutionSystem& system, const TrainingStates& training,
-                                             int points, double beta) {
-  if (points < 1 || !(beta > 0.0)) {
-    throw ArgumentError(
-        fmt::format("PiecewiseLinearSystem: {} points, beta {}; expected positive numbers", points, beta));
-  }
+                                             int points) {
+  require(points >= 1, "points", points, "1 or more", "PiecewiseLinearSystem");
   if (training.x.cols() < points) {
     throw ArgumentError(
         fmt::format("PiecewiseLinearSystem: {} points of {} training states, expected no more points", points,
                     training.x.cols()));
   }
   const std::vector<Eigen::Index> picked = pick(system, training, points);
-  sharpness_ *= beta;
+  sharpness_ *= kBeta;
   linearise(system, {training.t(picked), training.x(Eigen::all, picked), training.q(Eigen::all, picked)});
 }
 

@@ -31,9 +31,8 @@ TrainingStates train_along(const EvolutionProblem& problem, int samples, double 
 /// f is, else f_i by its slopes at the parameters of the training state, and J_i at them.
 class PiecewiseLinearSystem final : public EvolutionSystem {
  public:
-  /// @throws ArgumentError if points or beta are not positive, or there are fewer training states than points.
-  PiecewiseLinearSystem(const EvolutionSystem& system, const TrainingStates& training, int points,
-                        double beta);
+  /// @throws ArgumentError if there are no points, or fewer training states than points.
+  PiecewiseLinearSystem(const EvolutionSystem& system, const TrainingStates& training, int points);
 
   int state_count() const override { return static_cast<int>(centres_.rows()); }
   int point_count() const { return static_cast<int>(centres_.cols()); }

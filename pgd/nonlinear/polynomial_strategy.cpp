@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/nonlinear/separated_rates.h"
 #include "samara/pgd/nonlinear/strategy.h"
 #include "samara/pgd/tensors/train_algebra.h"
@@ -18,8 +19,8 @@ constexpr double kDifferenceStep = 1e-3;
 class Polynomial final : public Strategy {
  public:
   explicit Polynomial(const PolynomialOptions& options) : options_(options) {
-    if (options.order < 1 || options.order > 2)
-      throw ArgumentError(fmt::format("polynomial_strategy: order {}, expected 1 or 2", options.order));
+    require(options.order == 1 || options.order == 2, "order", options.order, "1 or 2",
+            "polynomial_strategy");
   }
 
   std::string name() const override { return "polynomial linearisation"; }

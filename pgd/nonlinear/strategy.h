@@ -99,28 +99,18 @@ std::unique_ptr<Strategy> polynomial_strategy(const PolynomialOptions& options =
 /// (lambda = 0) to the full ones (lambda = 1). One linear solve per order, all with the same A; the Taylor
 /// coefficients of the remainder from its values at Chebyshev nodes in lambda. Corrections are the terms of
 /// the series: where they grow, its radius of convergence is below one, and the march says so.
-struct AsymptoticOptions {
-  int max_order = 12;
-};
-std::unique_ptr<Strategy> asymptotic_strategy(const AsymptoticOptions& options = {});
+std::unique_ptr<Strategy> asymptotic_strategy();
 
 /// DEIM, (6.30): a basis over states and times is learned from f along the present iterate at training points
 /// of the parameters; f is interpolated in it at greedily chosen rows, and the coefficients, functions of the
 /// parameters, are separated by a cross that evaluates f at the times of these rows only. Retrained at points
 /// where it is wrong, and in every iteration.
 /// Reference: Chaturantabut and Sorensen, SIAM J. Sci. Comput. 32 (2010).
-struct EmpiricalOptions {
-  int training_points = 16;  ///< random ones, besides corners and middle
-  int max_retraining = 8;    ///< per iteration
-};
-std::unique_ptr<Strategy> empirical_strategy(const EmpiricalOptions& options = {});
+std::unique_ptr<Strategy> empirical_strategy();
 
 /// PPWL, (6.31)-(6.32): a weighted sum of linearisations at points picked along a few training trajectories.
 struct PiecewiseLinearOptions {
   int points = 100;
-  /// Weights are exp(-beta (d_i^2 - d_min^2) / fill^2), normalised: d_i the distance to point i, states over
-  /// their spread, fill the largest distance of a training state to its nearest point.
-  double beta = 10.0;
   int samples = 4;  ///< training states per Radau point and slab
   /// Of the separated weights, absolute. Zero: the tolerance of the slab.
   double weight_tolerance = 0.0;

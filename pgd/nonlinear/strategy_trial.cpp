@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/cross/nodal_approximation.h"
 #include "samara/pgd/evolution/slab_train.h"
 #include "samara/pgd/nonlinear/slab_iteration.h"
@@ -23,6 +24,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kDefectPoints = 32;
+/// Of the strategy that gives the first iterate.
+constexpr int kFirstIterations = 2;
 
 TrainField field(const StrategySlab& slab, const TensorTrain& solution) {
   const EvolutionProblem& problem = slab.problem();
@@ -50,14 +53,11 @@ void validate(const EvolutionProblem& problem, const StrategyTrialOptions& optio
                     "parameter and radau, whose elements are the slabs",
                     problem.parameters.size(), to_string(problem.time.basis())));
   }
-  if (options.tolerance > 0.0 && options.max_iterations > 0 && options.max_rank > 0 &&
-      options.first_iterations > 0 && options.max_evaluations >= 0)
-    return;
-  throw ArgumentError(
-      fmt::format("StrategyTrialOptions: tolerance {}, max_iterations {}, max_rank {}, "
-                  "first_iterations {}, max_evaluations {}; expected positive numbers, the last may be 0",
-                  options.tolerance, options.max_iterations, options.max_rank, options.first_iterations,
-                  options.max_evaluations));
+  constexpr const char* kWhere = "StrategyTrialOptions";
+  require(options.tolerance > 0.0, "tolerance", options.tolerance, "a positive number", kWhere);
+  require(options.max_iterations >= 1, "max_iterations", options.max_iterations, "1 or more", kWhere);
+  require(options.max_rank >= 1, "max_rank", options.max_rank, "1 or more", kWhere);
+  require(options.max_evaluations >= 0, "max_evaluations", options.max_evaluations, "0 or more", kWhere);
 }
 
 double grid_evaluations(const StrategySlab& slab, int iterations) {
@@ -90,7 +90,7 @@ void advance(const StrategySlab& slab, Strategy& strategy, const StrategyTrialOp
                            .evaluations_before = result.rhs_evaluations + result.jacobian_evaluations,
                            .progress = options.progress},
                           counts);
-  if (options.first != nullptr) iteration.first_iterate(*options.first, options.first_iterations);
+  if (options.first != nullptr) iteration.first_iterate(*options.first, kFirstIterations);
   const std::optional<Ending> failure = iteration.run(strategy);
   take(iteration.record(), record);
   record.detail = strategy.detail();

@@ -24,10 +24,9 @@ struct StrategyTrialOptions {
   double tolerance = 1e-6;
   int max_iterations = 40;
   int max_rank = 120;
-  /// A strategy that gives the first iterate of every slab, by so many of its iterations; on slabs on which
-  /// it fails, the start is the first iterate.
+  /// A strategy that gives the first iterate of every slab, by two of its iterations; on slabs on which it
+  /// fails, the start is the first iterate.
   Strategy* first = nullptr;
-  int first_iterations = 2;
   /// Of f and J, preparation included; no iteration begins beyond it. 0: no limit.
   long max_evaluations = 0;
   std::uint64_t seed = 1;

@@ -49,6 +49,13 @@ TEST_CASE("at a border of pieces the lower one is sliced, and at the lower end o
   CHECK(difference(book, {{"C_D", 0.5}}) < 1e-12);
 }
 
+TEST_CASE("where no lower piece reaches a border, the upper one is sliced") {
+  const Codebook all = four_pieces();
+  const Codebook book(sample_model(), {all.pieces()[0], all.pieces()[1], all.pieces()[3]});
+  CHECK(slice(book, {{"C_D", kCellBorder}}).pieces().size() == 2);
+  CHECK(difference(book, {{"C_D", kCellBorder}}) < 1e-12);
+}
+
 TEST_CASE("a slice says what was held, and has no certificate") {
   const Codebook book = golden_climbs();
   REQUIRE(book.certificate());

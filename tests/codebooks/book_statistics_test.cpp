@@ -197,6 +197,10 @@ TEST_CASE("a list is held at one of its values, and nothing without meaning is t
   const BookStatistics two = take_statistics(kinds, {.fixed = {{"plies", 2.0}, {"k", 0.5}}});
   CHECK(std::ranges::find(two.inputs, "plies") == two.inputs.end());
   CHECK_THAT(refusal(kinds, {.inputs = {{"plies", {kNormal, 2.0, 1.0}}}}), Contains("list of values"));
+  const JointNormal joint{{"v(0)", "m"}, Eigen::Vector2d(0.5, 2.0), 0.01 * Eigen::Matrix2d::Identity()};
+  CHECK_THAT(refusal(kinds, {.inputs = {{"plies", {kNormal, 2.0, 1.0}}}, .joint = joint}),
+             Contains("list of values"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kLogNormal, 0.5, 1e9}}}}), Contains("at most 100"));
   CHECK_THAT(refusal(book, {.inputs = {{"C_d", {}}}}), Contains("did you mean \"C_D\""));
   CHECK_THAT(refusal(book, {.inputs = {{"t", {}}}}), Contains("is the time"));
   CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, 5.0, 0.1}}}}),

@@ -435,6 +435,15 @@ TEST_CASE("a march that ends on its first slab has no result, and says so") {
              Contains("no result on the first slab: "));
 }
 
+TEST_CASE("a plan that names a strategy is solved by it, also where it names no kind") {
+  const std::string plan = fall_plan("area = 4.7144e-4\nthickness = 0.00255\ndensity = 6338.5\n",
+                                     "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.4]\n", "0.2");
+  const BuildResult result =
+      build(parse_plan(plan + "[builder]\nstrategy = 'slabs'\n", "plan.toml"), {.certificate_points = 20});
+  CHECK(result.book.build().strategy == "slabs");
+  CHECK_THAT(result.book.build().message, Contains("chosen because the plan names a strategy"));
+}
+
 TEST_CASE("a plan of enrichment is answered by sums of products, certified, of few terms") {
   const BuildResult result = built(fall_plan("area = 4.7144e-4\nthickness = 0.00255\ndensity = 6338.5\n",
                                              "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.4]\n", "0.4", "1e-4") +

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <stdexcept>
 
 #include <catch2/catch.hpp>
 
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
+#include "samara/base/errors.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/source/list_edits.h"
@@ -225,7 +225,7 @@ TEST_CASE("a checkpoint that is cut anywhere is gone on from, or refused where i
     put_content(checkpoint, part(share));
     check_equals_undisturbed(resumed(checkpoint));
   }
-  // A kill, or a disk that was full, may leave anything behind the last whole record.
+  // A kill, or a disk that was full, may leave anything after the last whole record.
   put_content(checkpoint, whole + std::string(1000, '\0'));
   check_equals_undisturbed(resumed(checkpoint));
   const auto refusal = [&] { return error_text<InputError>([&] { resumed(checkpoint); }); };
@@ -292,6 +292,18 @@ std::vector<double> state_after(int slabs, std::mt19937_64& random, std::vector<
 }
 
 }  // namespace
+
+TEST_CASE("a checkpoint that cannot be kept is told once, whatever is wrong with its file") {
+  int told = 0;
+  const auto save = told_once<int>([](const int&) { throw samara::InputError("c", "is damaged"); },
+                                   [&](const std::string& text) {
+                                     ++told;
+                                     CHECK_THAT(text, Contains("no checkpoint: c: is damaged"));
+                                   });
+  CHECK_NOTHROW(save(1));
+  CHECK_NOTHROW(save(2));
+  CHECK(told == 1);
+}
 
 TEST_CASE("a checkpoint costs what is new, however much is done before") {
   const TemporaryDirectory directory;
@@ -390,5 +402,5 @@ TEST_CASE("edits of a list make the other of it, whatever has moved, gone or com
   }
   EditedList list;
   list.apply({{0, 0, {1.0, 2.0}}});
-  CHECK_THROWS_AS(list.apply({{1, 2, {}}}), std::out_of_range);
+  CHECK_THROWS_AS(list.apply({{1, 2, {}}}), samara::ArgumentError);
 }

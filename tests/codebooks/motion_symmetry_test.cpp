@@ -66,6 +66,11 @@ TEST_CASE("a pendulum has one reflection, that of its angle and its spin") {
   CHECK(symmetry.autonomous);
 }
 
+TEST_CASE("a law that acts for a part of the time is one that knows it") {
+  CHECK_FALSE(found_in(pendulum("max(0.02 - abs(t - 0.05), 0)")).autonomous);
+  CHECK_FALSE(found_in(pendulum("max(t - 0.11, 0)")).autonomous);
+}
+
 TEST_CASE("laws that a reflection changes have none, wherever in the box and however little it does") {
   const std::string more =
       GENERATE(as<std::string>{}, "1e-7", "1e-6*cos(angle)", "1e-7*spin*spin",

@@ -329,6 +329,13 @@ TEST_CASE("a value outside the meaning of its parameter is refused at its line")
   CHECK(refusal("[0.8, 1.6]", "[-0.1, 1.6]") == "p.toml:11: [box] C_D: is -0.1, expected at least 0");
   CHECK(refusal("[\"4.5 cm^2\", 4.9e-4]", "[0, 4.9e-4]") ==
         "p.toml:12: [box] area: is 0, expected more than 0");
+  CHECK(refusal("model = \"immersed_body\"\n[box]\nkappa = [0.5, 1.5]\n") ==
+        "p.toml:3: [box] kappa: is 1.5, expected at most 1");
+  // The model itself refuses a corner, not the middle.
+  CHECK_THAT(
+      refusal("model = \"falling_rectangle\"\n[fixed]\nchord = 0.02\nthickness = 0.002\ndensity = 2000\n"
+              "[box]\noffset = [0, 0.011]\n[time]\nend = 1\n"),
+      Contains("offset is 0.011 m"));
   // The border of the meaning of C_D belongs to it; initial values mean something everywhere.
   CHECK(parsed(changed("[0.8, 1.6]", "[0, 1.6]")).box[0].lower == 0.0);
   CHECK(parsed(changed("\"0 m/s\"", "\"-3 m/s\"")).box[2].lower == -3.0);

@@ -174,6 +174,17 @@ TEST_CASE("a point outside the box is refused, naming coordinate, unit and inter
   CHECK_THAT(refusal(std::nextafter(0.5, 1.0), 1.0, 0.0), Contains("is outside"));
 }
 
+TEST_CASE("a batch on several threads names the first point that is refused") {
+  const Codebook book = four_pieces();
+  Query query(book);
+  Eigen::MatrixXd points = random_points(book, 4096, 5), values(3, points.cols());
+  points(1, 511) = 7.0;
+  points(1, 2048) = 9.0;
+  for (int k = 0; k < 20; ++k) {
+    CHECK_THAT(error_text<OutsideBoxError>([&] { query.batch(points, values, 2); }), Contains("C_D = 7 "));
+  }
+}
+
 TEST_CASE("a point that is not finite or of another size is refused") {
   const Codebook book = four_pieces();
   Query query(book);

@@ -237,8 +237,7 @@ TEST_CASE(
 TEST_CASE("a build by sampling that is killed again and again ends in the same codebook") {
   struct Killed {};
   // Of the kind auto the trial misses, and the engine has its own part of the checkpoint.
-  for (const std::string builder : {"kind = \"sampling\"\n", "kind = \"auto\"\nmax_calls = 120\n",
-                                    "kind = \"auto\"\nmax_calls = 120\nstrategy = \"cross\"\n"}) {
+  for (const std::string builder : {"kind = \"sampling\"\n", "kind = \"auto\"\nmax_calls = 120\n"}) {
     const TemporaryDirectory directory;
     const std::string plan = coin_plan_of(builder);
     BuildOptions options{.certificate_points = 20, .checkpoint = directory / "c", .resume = true};

@@ -1,3 +1,5 @@
+#include "samara/codebooks/build/stepped_builder.h"
+
 #include <filesystem>
 #include <set>
 #include <string>
@@ -174,6 +176,25 @@ TEST_CASE("a build by steps that is cancelled on the way has no result, once it 
     CHECK(cancelled);
     CHECK(reports_after == 0);
   }
+}
+
+TEST_CASE("a field by steps that a certificate refutes is kept with the error that was found") {
+  const Plan plan = parse_plan(stepped_plate(kSteps), "plan.toml");
+  const samara::models::ParametricModel model = plan.parametric_model();
+  bool is_refuted = false;
+  const CertifyClaim refute = [&](const Piece&, double) {
+    is_refuted = true;
+    Measured measured;
+    measured.certificate.max_error = 0.5;
+    measured.wrong = Eigen::MatrixXd::Zero(3, 1);
+    return measured;
+  };
+  const auto go_on = [&](const samara::Progress&) { return !is_refuted; };
+  const auto solution = solve_by_steps(plan, model, 20'000'000, go_on, refute);
+  REQUIRE(is_refuted);
+  REQUIRE(solution);
+  CHECK_THAT(solution->record.message, Contains("the best field errs by 0.5"));
+  CHECK(solution->spent.compression >= 0.5);
 }
 
 TEST_CASE("where lines need more nodes than are allowed, the kind auto ends soon, with the reason") {

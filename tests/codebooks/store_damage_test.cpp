@@ -65,6 +65,12 @@ TEST_CASE("a certificate that contradicts itself, or has no numbers, is refused"
              StartsWith("/certificate: met is 7, expected 0 or 1"));
   CHECK_THAT(error_after([](Patient& file) { file.set_text("/certificate", "seed", "x"); }),
              StartsWith("/certificate: seed is \"x\""));
+  CHECK_THAT(error_after([](Patient& file) { file.set_integer("/certificate", "points", 0); }),
+             StartsWith("/certificate: points is 0, expected at least 1 where met is 1"));
+  CHECK_THAT(error_after([](Patient& file) { file.rename("/certificate/x", "/certificate/y"); }),
+             StartsWith("/certificate: is of the outputs") && Contains("those of the codebook are"));
+  CHECK_THAT(error_after([](Patient& file) { file.remove("/certificate/x"); }),
+             StartsWith("/certificate: is of the outputs"));
   // What was missed may be missed by infinity.
   CHECK(error_after([&](Patient& file) {
           file.set_integer("/certificate", "met", 0);

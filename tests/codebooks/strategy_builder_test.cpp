@@ -4,8 +4,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/codebooks/query/query.h"
 #include "samara/pgd/nonlinear/march.h"
 
 using namespace samara::codebooks;
@@ -39,6 +43,27 @@ TEST_CASE("plans name the strategy that builds them, and the certificate agrees"
     CHECK(result.book.build().status == samara::Termination::converged);
     CHECK(result.book.certificate()->max_error <= 1e-4);
     CHECK(result.book.build().evaluations > 0);
+  }
+}
+
+TEST_CASE("every strategy that a plan may name ends in a certified codebook that is saved, read and asked") {
+  for (const std::string& strategy : samara::pgd::strategy_names()) {
+    const bool is_coarse = strategy == "enrichment" || strategy == "piecewise_linear";
+    const BuildResult result = build(plate_plan(strategy, is_coarse ? "2e-2" : "1e-3"), few_points());
+    CAPTURE(strategy, result.message, result.book.build().message);
+    CHECK(result.met);
+    CHECK(result.book.build().strategy == strategy);
+    const TemporaryDirectory directory;
+    save(result.book, directory / "plate.h5");
+    const Codebook read = load(directory / "plate.h5");
+    CHECK(read.build().strategy == strategy);
+    REQUIRE(read.certificate());
+    CHECK(read.certificate()->met);
+    Eigen::VectorXd before(result.book.output_count()), after(read.output_count());
+    const std::vector<double> point = {0.7, 1.1, 3.1};
+    Query(result.book).values(point, before);
+    Query(read).values(point, after);
+    CHECK(after.isApprox(before, 1e-12));
   }
 }
 

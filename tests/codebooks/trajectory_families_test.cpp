@@ -85,3 +85,34 @@ TEST_CASE("a flow map goes on after the end of the codebook, and says where it l
   CHECK_THAT(out.outcome.message, Catch::Contains("left the box at t = 0: v = 1.5"));
   CHECK(std::isnan(out.values(0, 0)));
 }
+
+TEST_CASE("a codebook and a family shift a motion from where the model starts it") {
+  const Plan plan = parse_plan(
+      "[equations]\nname = 'drift'\nstates.x = { initial = 3 }\nstates.v = { initial = 0 }\n"
+      "parameters.pull = {}\nrates.x = 'v'\nrates.v = 'pull - v'\n"
+      "[box]\npull = [0.5, 1.5]\n[time]\nend = 1\n",
+      "plan.toml");
+  const Codebook book = build(plan, {.certificate_points = 10}).book;
+  const auto mixed = mixed_trajectories(
+      book, reference_trajectories(plan.definition, {{"x(0)", 5.0}}, {{"pull", {0.4, 1.6}}}));
+  const auto one = trajectory(*mixed, std::vector{1.0}, {0.0, 1.0}, {"x"});
+  REQUIRE(one.outcome);
+  CHECK(one.values(0, 0) == Approx(5.0).margin(1e-3));
+  CHECK(one.values(1, 0) == Approx(5.0 + std::exp(-1.0)).margin(2e-3));
+}
+
+TEST_CASE("in a gap between the pieces of a codebook the family answers") {
+  const Codebook book(sample_model(),
+                      {random_piece({0.0, 0.5, 0.5, 1.0}, 1), random_piece({0.0, 0.5, 1.2, 2.0}, 2)});
+  std::map<std::string, double> fixed = sample_model().fixed;
+  fixed["area"] = 4.714e-4;
+  fixed["thickness"] = 2.55e-3;
+  const auto direct = [&] {
+    return step_trajectories(samara::models::find_model("vertical_fall"), fixed,
+                             {{"C_D", {0.5, 2.0}}, {"v(0)", {-0.3, 0.6}}}, 1e-3);
+  };
+  const std::vector<double> q = {1.1, 0.2}, times = {0.1, 0.4};
+  const auto one = trajectory(*mixed_trajectories(book, direct()), q, times, {"v"});
+  REQUIRE(one.outcome);
+  CHECK(one.values == trajectory(*direct(), q, times, {"v"}).values);
+}

@@ -100,6 +100,19 @@ TEST_CASE("a file that is replaced keeps its permissions") {
   CHECK(fs::status(directory / "f").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
 }
 
+TEST_CASE("a file that may only be read is replaced, and may only be read again") {
+  const TemporaryDirectory directory;
+  put_content(directory / "f", "old");
+  fs::permissions(directory / "f", fs::perms::owner_read);
+  PendingFile pending(directory / "f");
+  // What is yet to be written is written by its owner.
+  CHECK((fs::status(pending.path()).permissions() & fs::perms::owner_write) != fs::perms::none);
+  pending.write("new");
+  pending.commit();
+  CHECK(content(directory / "f") == "new");
+  CHECK(fs::status(directory / "f").permissions() == fs::perms::owner_read);
+}
+
 TEST_CASE("a new file gets the permissions of the process") {
   const TemporaryDirectory directory;
   put_content(directory / "usual", "");

@@ -142,3 +142,13 @@ TEST_CASE("a table of numbers takes what any table may hold, and names the line 
   CHECK_THAT(error(""), Contains("empty"));
   CHECK(NumberTable::parse("a,b\n", "t").values().rows() == 0);
 }
+
+TEST_CASE("a table of numbers finds the header where any table has it") {
+  const NumberTable marked = NumberTable::parse("\xEF\xBB\xBF# body: card\na,b\n1,2\n3,4\n", "t");
+  CHECK(marked.header() == std::vector<std::string>{"a", "b"});
+  CHECK(marked.values().rows() == 2);
+  // A comment begins with its sign; a name may have it after a blank.
+  const NumberTable named = NumberTable::parse(" #t,x\n1,2\n3,4\n", "t");
+  CHECK(named.header() == std::vector<std::string>{"#t", "x"});
+  CHECK(named.values().rows() == 2);
+}

@@ -180,6 +180,23 @@ TEST_CASE("a quantity with a wrong unit is refused with its place") {
              Contains("expected a number, or a string with a unit, found the boolean true"));
 }
 
+TEST_CASE("a quantity that must be more than 0 is refused with its place where it is not") {
+  const TomlTable root =
+      TomlTable::parse("[a]\nlength = '2 mm'\nnone = 0\nwarm = '2 degC'\nstep = '2 mK'\nless = -0.5", "t");
+  const TomlTable a = root.table("a");
+  CHECK(a.positive("length", "m") == 2e-3);
+  CHECK_FALSE(a.optional_positive("height", "m"));
+  CHECK(a.positive("warm", "K") == 275.15);
+  CHECK(a.positive_difference("step", "K") == 2e-3);
+  CHECK(toml_error([&] { a.positive("none", "m"); }) == "t:3: [a] none: is 0; more than 0 was expected");
+  CHECK(toml_error([&] { a.optional_positive("less", "m"); }) ==
+        "t:6: [a] less: is -0.5; more than 0 was expected");
+  CHECK(toml_error([&] { a.positive_difference("none", "K"); }) ==
+        "t:3: [a] none: is 0; more than 0 was expected");
+  CHECK_THAT(toml_error([&] { a.positive_difference("warm", "K"); }),
+             StartsWith("t:4: [a] warm: ") && Contains("a difference of temperatures is given in K"));
+}
+
 TEST_CASE("an unknown key is refused with its line and the nearest known") {
   const TomlTable box = plan().table("box");
   CHECK_NOTHROW(box.expect_keys({"A", "C_T", "theta(0)", "unused"}));

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
+#include "samara/models/equations/equation_model.h"
 #include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/integrator_trajectories.h"
@@ -187,6 +188,25 @@ TEST_CASE("every family of a model keeps the laws of families") {
   check_passes(*integrator_trajectories(coin, kCoin, kCoinBox, IntegrateOptions{}));
   check_passes(*integrator_trajectories(coin, kCoin, kCoinBox, AdaptiveOptions{}));
   check_passes(*integrator_trajectories(coin, kCoin, kCoinBox, Rk4Options{.step = 1e-3}));
+}
+
+TEST_CASE("a family knows that its equations know the time, also where the motion begins at rest") {
+  // A pendulum whose pivot is shaken.
+  const Equations shaken = {.name = "shaken",
+                            .title = "of a test",
+                            .states = {{.name = "angle", .unit = "1", .description = "a state"},
+                                       {.name = "spin", .unit = "1", .description = "a state"}},
+                            .parameters = {{.name = "pull", .unit = "1", .description = "of the test"}},
+                            .rates = {"spin", "-pull*(1 + 0.5*sin(t))*sin(angle)"}};
+  const auto family_of = [](const Equations& equations) {
+    return reference_trajectories(equation_model(equations), {}, {{"pull", {0.5, 1.5}}});
+  };
+  CHECK_FALSE(family_of(shaken)->info().autonomous);
+  Equations calm = shaken;
+  calm.rates[1] = "-pull*sin(angle)";
+  CHECK(family_of(calm)->info().autonomous);
+  calm.rates[1] = "sqrt(-pull)";
+  CHECK_FALSE(family_of(calm)->info().autonomous);
 }
 
 TEST_CASE("the one trajectory of a model without free coordinates is a family") {

@@ -220,6 +220,12 @@ TEST_CASE("units that do not fit are refused") {
   CHECK_THAT(with("v", "v^pi"), Contains("a whole number or a simple fraction"));
   CHECK_THAT(with("max(v, x)", "0"), Contains("max of something in m s^-1 and something in m"));
   CHECK_THAT(with("atan2(v, x)", "0"), Contains("atan2 of"));
+  Equations squared = spring();
+  squared.abbreviations = {{"s0", "x*x"}};
+  for (int k = 1; k < 33; ++k)
+    squared.abbreviations.push_back({fmt::format("s{}", k), fmt::format("s{0}*s{0}", k - 1)});
+  CHECK_THAT(error_text<EquationError>([&] { equation_model(squared); }),
+             Contains("a product is measured in m^1024, expected powers of at most 1000"));
   CHECK(with("max(0, v)", "sqrt(v^2*v^2)/width") == "no exception");
   CHECK(with("x*sqrt(stiffness/mass)", "x^(3/2)/sqrt(x)*stiffness/mass") == "no exception");
 }

@@ -58,12 +58,12 @@ TEST_CASE("a state of another problem is refused") {
 TEST_CASE("a warm start from the solution ends at once, from a perturbed one it goes on from there") {
   const LinearProblem problem = poisson(3, 15);
   const EnrichResult cold = enrich(problem, galerkin(12, 1e-3));
-  REQUIRE(cold.termination == EnrichTermination::residual);
+  REQUIRE(cold.termination == samara::Termination::converged);
   const EnrichResult again = enrich(problem, galerkin(12, 1e-3), &cold.solution);
   CHECK(again.history.empty());
-  CHECK(again.termination == EnrichTermination::residual);
+  CHECK(again.termination == samara::Termination::converged);
   const EnrichResult further = enrich(problem, galerkin(40, 1e-6), &cold.solution);
-  CHECK(further.termination == EnrichTermination::residual);
+  CHECK(further.termination == samara::Termination::converged);
   CHECK(further.solution.rank() > cold.solution.rank());
 }
 
@@ -71,8 +71,8 @@ TEST_CASE("time that is up is a named reason, before the next term") {
   EnrichOptions options = galerkin(60, 1e-15);
   options.max_seconds = 1e-9;
   const EnrichResult result = enrich(poisson(3, 31), options);
-  CHECK(result.termination == EnrichTermination::max_time);
-  CHECK(to_string(result.termination) == "max_time");
+  CHECK(result.termination == samara::Termination::max_seconds);
+  CHECK(to_string(result.termination) == "max_seconds");
   CHECK_THAT(result.message, Contains("1e-09 s"));
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("a problem that cannot converge ends with a status, not with a claim")
   problem.rhs = random_tensor({5, 4}, 2, 1);
   for (const Projection projection : {Projection::galerkin, Projection::minimal_residual}) {
     const EnrichResult result = enrich(problem, {.projection = projection});
-    CHECK(result.termination == EnrichTermination::singular);
+    CHECK(result.termination == samara::Termination::failed);
     CHECK(result.residual > 0.1);
   }
 }
@@ -167,7 +167,7 @@ TEST_CASE("a singular operator is never solved to a claimed residual") {
       options.solver = kind;
       const EnrichResult result = enrich(problem.assemble(), options);
       CAPTURE(elements, to_string(kind), result.message);
-      CHECK(result.termination != EnrichTermination::residual);
+      CHECK(result.termination != samara::Termination::converged);
       CHECK(result.residual > 1e-2);
     }
   }
@@ -179,11 +179,11 @@ TEST_CASE("terms that cancel do not hide a residual from the cheap measure") {
   problem.rhs.append(large, 1e7);
   problem.rhs.append(large, -1e7);
   const EnrichResult result = enrich(problem, galerkin(20, 1e-7));
-  CHECK(result.termination == EnrichTermination::residual);
+  CHECK(result.termination == samara::Termination::converged);
   EnrichOptions fast = galerkin(20, 1e-12);
   fast.residual = ResidualKind::fast;
   CHECK(enrich(problem, fast).residual > 0.0);
-  CHECK(enrich(problem, fast).termination != EnrichTermination::residual);
+  CHECK(enrich(problem, fast).termination != samara::Termination::converged);
 }
 
 namespace {
@@ -253,7 +253,7 @@ TEST_CASE("starts that are broken, too long or empty are refused or harmless") {
   CHECK_THROWS_WITH(enrich(problem, galerkin(5), &start), Contains("3 weights") && Contains("1 columns"));
   start = random_tensor({6, 6}, 1, 1);
   start.weights[0] = 0.0;
-  CHECK(enrich(problem, galerkin(12, 1e-6), &start).termination == EnrichTermination::residual);
+  CHECK(enrich(problem, galerkin(12, 1e-6), &start).termination == samara::Termination::converged);
   start = SeparatedTensor::zero(std::vector<int>{6, 7});
   CHECK_THROWS_WITH(enrich(problem, galerkin(5), &start), Contains("6 x 7"));
 }
@@ -276,7 +276,7 @@ TEST_CASE("a right-hand side that vanishes has the solution without terms, also 
   const SeparatedTensor start = random_tensor({6, 6}, 2, 1);
   for (const SeparatedTensor* from : {static_cast<const SeparatedTensor*>(nullptr), &start}) {
     const EnrichResult result = enrich(problem, galerkin(5), from);
-    CHECK(result.termination == EnrichTermination::residual);
+    CHECK(result.termination == samara::Termination::converged);
     CHECK(result.solution.rank() == 0);
     CHECK(result.residual == 0.0);
   }
@@ -299,5 +299,5 @@ TEST_CASE("dense and diagonal operators of many magnitudes are regular") {
   LinearProblem problem;
   problem.op.terms = {{ModeOperator::dense(values.asDiagonal()), ModeOperator::identity(2)}};
   problem.rhs = SeparatedTensor::product({values, Eigen::Vector2d(1.0, 1.0)});
-  CHECK(enrich(problem, galerkin(3)).termination == EnrichTermination::residual);
+  CHECK(enrich(problem, galerkin(3)).termination == samara::Termination::converged);
 }

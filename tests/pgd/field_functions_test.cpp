@@ -157,6 +157,37 @@ TEST_CASE("a pocket of the other sign in one corner of five axes is found") {
   CHECK(result.point == std::vector<double>(5, 1.0));
 }
 
+TEST_CASE("the denominator that is named is one without its sign at the place that is named") {
+  // Bowls, below zero at ten single nodes each, which a search along lines mostly misses.
+  const std::vector<Axis> axes = {Axis::chebyshev({"x"}, 0.0, 1.0, 3), Axis::chebyshev({"y"}, 0.0, 1.0, 40),
+                                  Axis::chebyshev({"z"}, 0.0, 1.0, 40)};
+  constexpr int kPockets = 20;
+  std::vector<Eigen::MatrixXd> factors;
+  for (const Axis& axis : axes) {
+    Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(axis.size(), kPockets + 1);
+    factor.col(0) = 1.0 + (axis.nodes().array() - axis.nodes()[1]).square();
+    factors.push_back(factor);
+  }
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(2, kPockets + 1);
+  weights.col(0).setOnes();
+  for (int p = 0; p < kPockets; ++p) {
+    factors[0](0, p + 1) = 1.0;
+    factors[1]((7 * p + 3) % 40, p + 1) = 1.0;
+    factors[2]((11 * p + 5) % 40, p + 1) = 1.0;
+    weights(p % 2, p + 1) = -100.0;
+  }
+  const SeparatedField below(axes, {{"c"}, {"d"}}, factors, weights);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    FunctionOptions options;
+    options.seed = seed;
+    const FunctionResult result = quotient(below, below, options);
+    if (result.status != FunctionStatus::sign_change) continue;
+    CAPTURE(seed, result.message);
+    const bool is_first = result.message.find("denominator c ") != std::string::npos;
+    CHECK(below(result.point)[is_first ? 0 : 1] < 0.0);
+  }
+}
+
 TEST_CASE("a value that is not finite is reported with its output and node, and gives no field") {
   const SeparatedField f = smooth(cube(8));
   const FunctionResult result = function_of(

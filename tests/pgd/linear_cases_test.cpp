@@ -66,7 +66,7 @@ TEST_CASE("Poisson's equation in up to fifty dimensions takes few terms, whateve
       const LinearProblem problem = poisson(dimensions, 63);
       const EnrichResult result = enrich(problem, options);
       CAPTURE(dimensions, seed, result.message);
-      CHECK(result.termination == EnrichTermination::residual);
+      CHECK(result.termination == samara::Termination::converged);
       CHECK(relative_residual(problem, result.solution) < 1.001e-3);
     }
   }
@@ -99,7 +99,7 @@ TEST_CASE("heat over conductivity, boundary value and initial amplitude agrees w
   options.residual_tolerance = 3e-5;
   options.update_sweeps = 4;
   const EnrichResult result = enrich(problem.assemble(), options);
-  REQUIRE(result.termination == EnrichTermination::residual);
+  REQUIRE(result.termination == samara::Termination::converged);
   const SeparatedTensor u = problem.complete(result.solution);
   const int n = heat.x.size() - 2;
   const Eigen::MatrixXd mass = Eigen::MatrixXd(heat.x.mass()).block(1, 1, n, n);
@@ -136,7 +136,7 @@ TEST_CASE("a mesh from elsewhere is one axis") {
   options.projection = Projection::galerkin;
   options.residual_tolerance = 1e-8;
   const EnrichResult result = enrich(problem.assemble(), options);
-  REQUIRE(result.termination == EnrichTermination::residual);
+  REQUIRE(result.termination == samara::Termination::converged);
   const SeparatedTensor u = problem.complete(result.solution);
   const int n = disc.place.size();
   for (const int ik : {0, 7, 15}) {

@@ -25,7 +25,7 @@ SeparatedField solved(const ParametricProblem& problem, Projection projection = 
   options.update_sweeps = 4;
   const EnrichResult result = enrich(problem.assemble(), options);
   CAPTURE(result.message);
-  REQUIRE(result.termination == EnrichTermination::residual);
+  REQUIRE(result.termination == samara::Termination::converged);
   const SeparatedTensor u = problem.complete(result.solution);
   return {problem.axes(), {{"u"}}, u.factors, u.weights.transpose()};
 }

@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/evolution/slab_cell.h"
+#include "samara/pgd/evolution/slab_collocation.h"
 #include "slab_systems.h"
 
 using namespace samara::pgd;
@@ -210,6 +212,61 @@ TEST_CASE("a march at smaller tolerances that ends early leaves the one before i
   CHECK(resumed.message == cut.message);
 }
 
+TEST_CASE("a march whose guard points go where the equations have no value is missed, without bound") {
+  // A train of two nodes stays far below what lies between them, and never leaves where there are rates.
+  const System system(
+      1,
+      [](const Vector& x, const Vector& q) {
+        return Vector::Constant(1, x[0] > 0.7 ? std::nan("") : 0.05 + 4.0 * q[0] * (1.0 - q[0]));
+      },
+      [](const Vector&, const Vector&) { return Matrix::Zero(1, 1); });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "s", AxisRole::time};
+  problem.parameters = {{{"q", "1"}, 0.0, 1.0, 2}};
+  problem.states = {{"x", "1"}};
+  problem.scales = {1.0};
+  problem.scale_floors = {0.0};
+  problem.initial = {{0.0, -1}};
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
+  CAPTURE(result.message);
+  CHECK(result.status == samara::Termination::missed);
+  CHECK(result.reached == 1.0);
+  CHECK(std::isinf(result.error));
+  CHECK_FALSE(result.pieces.empty());
+}
+
+TEST_CASE("each half of a cell of many axes has a guard point, however few are asked for") {
+  const System system(
+      1, [](const Vector& x, const Vector&) { return x; },
+      [](const Vector&, const Vector&) { return Matrix::Identity(1, 1); });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.states = {{"x", "1"}};
+  problem.initial = {{1.0, -1}};
+  for (const char* name : {"a", "b", "c", "d", "e", "f"})
+    problem.parameters.push_back({{name, "1"}, 0.0, 1.0});
+  Random random(1);
+  const SlabCell cell = whole_box(problem, Vector::Ones(1), std::vector<int>(6, 2), 1, random);
+  for (const SlabCell& half : halves(cell, problem, 0, 1, random)) CHECK(half.guards.cols() >= 1);
+}
+
+TEST_CASE("a state that stays where it is needs one iteration and no derivatives") {
+  bool is_derived = false;
+  const System still(
+      1, [](const Vector& x, const Vector&) { return Vector(-3.0 * x); },
+      [&](const Vector&, const Vector&) {
+        is_derived = true;
+        return Matrix::Constant(1, 1, -3.0);
+      });
+  const SlabPoints points = SlabCollocation(still, Vector::Ones(1), 8)
+                                .solve({0.0, 1.0}, Matrix::Zero(1, 1), Matrix::Ones(1, 1), 1e-8);
+  CHECK(points.first_failed() == -1);
+  CHECK(points.values.isZero(0.0));
+  CHECK(points.evaluations == 8);
+  CHECK_FALSE(is_derived);
+}
+
 TEST_CASE("a march that may not go on says so: by evaluations, by its caller") {
   const System system = triple_product();
   const AdaptiveProblem problem = triple_problem(system, 0.8);
@@ -266,6 +323,10 @@ TEST_CASE("a march goes on from any of its states to the same bits, in cells too
   state = states.back();
   state.push_back(0.0);
   CHECK_THROWS_WITH(solve_by_slabs(problem, options, state), Contains("longer than its march"));
+  state = states.back();  // at its end how many states, and the largest of each
+  state.pop_back();
+  state[state.size() - 2] = 1.0;
+  CHECK_THROWS_WITH(solve_by_slabs(problem, options, state), Contains("does not fit its problem"));
   const auto refused = [&](const AdaptiveProblem& other, const SlabOptions& others) {
     CHECK_THROWS_WITH(solve_by_slabs(other, others, states.back()), Contains("other options"));
   };
@@ -298,9 +359,9 @@ TEST_CASE("options and problems that make no sense are refused") {
   problem.scale_floors.clear();
   CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("0 scale floors"));
   CHECK_THROWS_WITH(solve_by_slabs(triple_problem(system, 0.8), {.max_evaluations = -1}),
-                    Contains("max_evaluations -1"));
+                    Contains("max_evaluations is -1"));
   CHECK_THROWS_WITH(solve_by_slabs(triple_problem(system, 0.8), {.joint_slab = std::nan("")}),
-                    Contains("joint_slab nan"));
+                    Contains("joint_slab is nan"));
   problem = triple_problem(system, 0.8);
   problem.initial[1].axis = 3;
   CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("axis 3 of 3"));

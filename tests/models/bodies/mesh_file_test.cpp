@@ -112,6 +112,8 @@ TEST_CASE("corners that differ by a rounding are one corner") {
   MeshFileOptions exact;
   exact.merge_tolerance = 0.0;
   CHECK_THROWS_WITH(read_mesh(path, 1.0, exact), Contains("not closed"));
+  exact.merge_tolerance = 1e-20;
+  CHECK_THROWS_WITH(read_mesh(path, 1.0, exact), Contains("merge_tolerance is 1e-20"));
 }
 
 TEST_CASE("mesh files that hold no closed surface are refused with file and place") {

@@ -334,3 +334,31 @@ TEST_CASE("a march by a strategy refuses options outside their meaning before th
   CHECK_THROWS_WITH(march(problem, "slabs"),
                     Contains("the polynomial system has 2 states, the system itself 1"));
 }
+
+namespace {
+
+/// Finds nothing to go by after 40 evaluations of f and 2 of its Jacobian.
+class EndsInPreparation final : public Strategy {
+ public:
+  std::string name() const override { return "ends in its preparation"; }
+  std::optional<samara::Ending> prepare(const EvolutionProblem&, double) override {
+    return samara::Ending{Termination::not_finite, "nothing to go by"};
+  }
+  samara::Outcome<LinearSlab> linearise(const StrategySlab&, const TensorTrain&,
+                                        std::optional<double>) override {
+    return samara::Ending{Termination::failed, "asked after its end"};
+  }
+  StrategyCounts prepared() const override { return {.rhs = 40, .jacobian = 2}; }
+};
+
+}  // namespace
+
+TEST_CASE("a march that ends in the preparation of its strategy says what that took") {
+  const slab_systems::System system = slab_systems::pendulum();
+  EndsInPreparation strategy;
+  const SlabResult result = march(swing(system, 1.0), strategy, {.tolerance = 1e-4});
+  CHECK(result.status == Termination::not_finite);
+  CHECK(result.message == "nothing to go by");
+  CHECK(result.pieces.empty());
+  CHECK(result.evaluations == 42);
+}
