@@ -25,6 +25,20 @@ const Channel& Capture::channel(const std::string& quantity) const {
       fmt::format("capture \"{}\" does not measure \"{}\"{}", id, quantity, suggestion(quantity, known)));
 }
 
+void refuse(const std::string& file, const std::string& sentence) {
+  if (file.empty()) throw ArgumentError(sentence);
+  throw InputError(file, sentence);
+}
+
+void check_sizes(const Capture& capture) {
+  for (const Channel& channel : capture.channels) {
+    if (channel.values.size() == capture.times.size()) continue;
+    refuse(capture.file,
+           fmt::format("capture \"{}\" has {} values of \"{}\"; one for each of its {} frames was expected",
+                       capture.id, channel.values.size(), channel.quantity, capture.times.size()));
+  }
+}
+
 bool is_angle(const Channel& channel) {
   const std::vector<std::string> names = {"theta", "phi", "psi", "roll", "pitch", "yaw"};
   return channel.unit == "1" && std::ranges::count(names, channel.quantity) > 0;
@@ -70,6 +84,7 @@ std::vector<Capture> spans(const Capture& capture, double length, double stride,
     if (value > 0.0 && std::isfinite(value)) continue;
     throw ArgumentError(fmt::format("{} is {} s long; more than 0 s was expected", name, value));
   }
+  check_sizes(capture);
   std::vector<Capture> parts;
   const Eigen::VectorXd& times = capture.times;
   if (times.size() < 3) return parts;
@@ -86,13 +101,18 @@ std::vector<Capture> spans(const Capture& capture, double length, double stride,
     if (!is_seen(capture, begin, count, length, interval, quantities)) continue;
     Capture part = capture;
     part.motion = capture.motion.empty() ? capture.id : capture.motion;
-    part.id = fmt::format("{} from {:.4g} s", part.motion, times[begin]);
+    part.id = span_id(part.motion, times[begin]);
     part.times = times.segment(begin, count).array() - times[begin];
     part.shift = capture.shift + times[begin];
     for (Channel& channel : part.channels) channel.values = channel.values.segment(begin, count).eval();
     parts.push_back(std::move(part));
   }
   return parts;
+}
+
+std::string span_id(const std::string& capture, double begin) {
+  // Nine digits tell frames of hours apart, and hide the rounding of the last ones.
+  return fmt::format("{} from {:.9g} s", capture, begin);
 }
 
 namespace {
@@ -136,6 +156,7 @@ Capture known_at(const Capture& capture, double seconds) {
 Capture first(const Capture& capture, double seconds) {
   if (!(seconds > 0.0))
     throw ArgumentError(fmt::format("a span is {} s long; more than 0 s was expected", seconds));
+  check_sizes(capture);
   const Eigen::Index count = frames_within(capture, seconds);
   if (count < 3) {
     throw ArgumentError(

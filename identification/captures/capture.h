@@ -43,6 +43,13 @@ struct Capture {
   const Channel& channel(const std::string& quantity) const;
 };
 
+/// What is wrong with a capture is wrong with the file it came from, if it came from one.
+/// @throws InputError, or ArgumentError where the name of the file is empty
+[[noreturn]] void refuse(const std::string& file, const std::string& sentence);
+
+/// @throws as refuse() if a channel has not one value for each frame
+void check_sizes(const Capture& capture);
+
 /// What cleaning began with.
 struct BeforeCleaning {
   Capture capture;
@@ -59,7 +66,7 @@ Capture known_at(const Capture& capture, double seconds);
 Eigen::Index frames_within(const Capture& capture, double seconds);
 
 /// The part of a capture that is at most `seconds` after its first frame, as frames_within() counts.
-/// @throws ArgumentError if `seconds` is not positive, or fewer than 3 frames are left.
+/// @throws ArgumentError if `seconds` is not positive, or fewer than 3 frames are left; as check_sizes()
 Capture first(const Capture& capture, double seconds);
 
 /// Spans of a capture: the first begins at its first frame, each next one at the first frame that is `stride`
@@ -69,8 +76,12 @@ Capture first(const Capture& capture, double seconds);
 /// @param length s, of a span
 /// @param stride s, from start to start
 /// @param quantities of which a frame that is seen has all; empty: any
-/// @throws ArgumentError for times that are not positive.
+/// @throws ArgumentError for times that are not positive; as check_sizes()
 std::vector<Capture> spans(const Capture& capture, double length, double stride,
                            const std::vector<std::string>& quantities = {});
+
+/// "drop from 0.4 s": the id of the span of a capture that begins there, one for each frame.
+/// @param begin s
+std::string span_id(const std::string& capture, double begin);
 
 }  // namespace samara::identification

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -251,6 +252,11 @@ std::vector<std::filesystem::path> capture_files(const std::filesystem::path& ta
 
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {
   return read_all(read_sidecar(sidecar, table));
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code missing;
+  return a == b || std::filesystem::equivalent(a, b, missing);
 }
 
 }  // namespace samara::identification

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "samara/identification/captures/capture.h"
@@ -97,5 +98,8 @@ std::vector<std::filesystem::path> capture_files(const std::filesystem::path& ta
 /// @param table a pattern ("[0-9]*.csv") stands for every file that matches. Labels are looked for beside it.
 /// @throws InputError as above, and if the sidecar names another table
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar);
+
+/// Whether two names, as captures have them of their files, are those of one file.
+bool is_same_file(const std::string& a, const std::string& b);
 
 }  // namespace samara::identification

@@ -267,6 +267,7 @@ std::string without_numbers(const std::string& sentence) {
 }  // namespace
 
 std::vector<std::string> suspicions(const Capture& capture, bool falls) {
+  check_sizes(capture);
   Sentences found;
   if (capture.times.size() < kFewFrames)
     found.push_back(

@@ -48,9 +48,14 @@ double most_resonant(const Eigen::VectorXd& times, double frequency, double rang
   return best;
 }
 
-/// Mean of the intervals that are about as long as the median one.
+/// Mean of the intervals that are about as long as the median one. Of an even number it is the lower of the two in the
+/// middle: between single and double intervals, half of each, there is none.
 double common_interval(const Eigen::VectorXd& times) {
-  const double middle = median_interval(times);
+  std::vector<double> intervals;
+  for (Index k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
+  const auto lower = intervals.begin() + (std::ssize(intervals) - 1) / 2;
+  std::ranges::nth_element(intervals, lower);
+  const double middle = *lower;
   double sum = 0.0;
   int count = 0;
   for (Index k = 1; k < times.size(); ++k) {
@@ -131,8 +136,8 @@ bool is_alike(const Eigen::RowVectorXd& one, const Eigen::RowVectorXd& step) {
   return (one - step).norm() < kAlike * step.norm();
 }
 
-/// Mean of the steps around one that are known to be of one interval; nothing where they are not alike on both sides: of
-/// a body that turns round or bounces there, a chord does not tell the way.
+/// Mean of the steps around one that are known to be of one interval; nothing where they are not alike on both sides:
+/// of a body that turns round or bounces there, a chord does not tell the way.
 std::optional<Eigen::RowVectorXd> usual_step(const Eigen::MatrixXd& steps, const std::vector<long>& places,
                                              Index near) {
   constexpr Index kEachSide = 4, kFewest = 2;
@@ -155,8 +160,8 @@ std::optional<Eigen::RowVectorXd> usual_step(const Eigen::MatrixXd& steps, const
   return mean;
 }
 
-/// A frame that only the clock misses is none: where the body moved on evenly as by one interval, later frames came late.
-/// Of longer gaps nothing is told, since a path may bend within them.
+/// A frame that only the clock misses is none: where the body moved on evenly as by one interval, later frames came
+/// late. Of longer gaps nothing is told, since a path may bend within them.
 std::vector<long> without_late_frames(const Capture& capture, std::vector<long> places) {
   const Eigen::MatrixXd steps = steps_of(capture);
   if (steps.cols() == 0) return places;
@@ -178,6 +183,26 @@ Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places, 
   const Eigen::VectorXd centred = place.array() - place.mean();
   const double period = known.value_or(centred.dot(times) / centred.squaredNorm());
   return {period, times.mean() - period * place.mean()};
+}
+
+/// @throws ArgumentError where the times have no common interval, or a jump that no frames lie in
+void check_times(const Capture& capture) {
+  const Eigen::VectorXd& times = capture.times;
+  const double interval = times.allFinite() ? common_interval(times) : std::nan("");
+  if (!(interval > 0.0 && std::isfinite(interval))) {
+    throw ArgumentError(fmt::format(
+        "capture \"{}\" has frames {} s apart; finite times that increase were expected for a grid",
+        capture.id, interval));
+  }
+  // The search for the period takes steps by their number.
+  constexpr double kMostPlaces = 1e7;
+  const double duration = times[times.size() - 1] - times[0];
+  if (!(duration <= kMostPlaces * interval)) {
+    throw ArgumentError(fmt::format(
+        "capture \"{}\" has {} frames {:.5g} ms apart over {:.6g} s: a grid of more than {:.0e} places; "
+        "times without such a jump were expected",
+        capture.id, times.size(), 1e3 * interval, duration, kMostPlaces));
+  }
 }
 
 /// @throws ArgumentError where frames do not lie whole periods apart
@@ -207,6 +232,7 @@ FrameGrid on_frame_grid(const Capture& capture, std::optional<double> known_peri
     throw ArgumentError(fmt::format("capture \"{}\" has {} frames; at least 4 were expected for a grid",
                                     capture.id, times.size()));
   }
+  check_times(capture);
   if (known_period) check_known(capture, *known_period);
   Grid grid = known_period ? grid_of(times, *known_period) : resonant_grid(times);
   std::vector<long> places = increasing_places(times, grid);

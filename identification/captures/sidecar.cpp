@@ -283,10 +283,11 @@ std::string with_decimal_point(const std::string& cell, char decimal) {
 
 bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed) {
   return std::ranges::any_of(allowed, [&](const std::string& text) {
-    if (!is_comparison(text)) return cell == text;
-    const std::optional<double> value = number_in(cell);
-    const double bound = *bound_of(text);
-    return value && (text[0] == '<' ? *value < bound : *value > bound);
+    // The name of a body may look like a comparison: "<ball".
+    if (cell == text) return true;
+    if (!is_comparison(text)) return false;
+    const std::optional<double> value = number_in(cell), bound = bound_of(text);
+    return value && bound && (text[0] == '<' ? *value < *bound : *value > *bound);
   });
 }
 

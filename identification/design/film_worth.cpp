@@ -167,7 +167,9 @@ FrameSet exchanged(const FilmFrames& film, const std::vector<int>& all, const Pr
 /// The best of exchanges that begin with frames over all of the film, its first half, and its first quarter.
 void add_times(const FilmFrames& film, const Experiment& experiment, const Precision& precision, int count,
                Design& design) {
-  const int every = (experiment.frames + kMostFrames - 1) / kMostFrames;
+  // Of a long film every so many, but never fewer than are asked for.
+  const int every =
+      std::max(1, std::min((experiment.frames + kMostFrames - 1) / kMostFrames, experiment.frames / count));
   std::vector<int> all;
   for (int frame = 0; frame < experiment.frames; frame += every) all.push_back(frame);
   const auto size = static_cast<int>(all.size());

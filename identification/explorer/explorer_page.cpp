@@ -11,6 +11,7 @@
 #include "page_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/require.h"
 #include "samara/identification/explorer/explored_data.h"
 #include "samara/identification/pages/base64.h"
 #include "samara/identification/pages/html_page.h"
@@ -23,8 +24,7 @@ using Json = nlohmann::ordered_json;
 
 void check_content(const ExplorerContent& content) {
   if (content.books.empty()) throw ArgumentError("no codebook is given, expected at least one");
-  if (content.times < 2 || content.times > 5000)
-    throw ArgumentError(fmt::format("the number of times is {}, expected 2 to 5000", content.times));
+  require(content.times >= 2 && content.times <= 5000, "number of times", content.times, "2 to 5000");
   if (content.body && content.body->triangles.cols() > kMostExplorerTriangles) {
     throw ArgumentError(fmt::format(
         "the body has {} triangles, more than the {} that a page draws: a coarser mesh was expected",
@@ -98,7 +98,7 @@ std::vector<Capture> captures_of_fit(const Capture& capture, const std::optional
       if (seen.whole != capture.id || seen.id == capture.id || seen.times.size() == 0) continue;
       std::vector<Eigen::Index> begins;
       for (Eigen::Index i = 0; i < capture.times.size(); ++i)
-        if (fmt::format("{} from {:.4g} s", capture.id, capture.times[i]) == seen.id) begins.push_back(i);
+        if (span_id(capture.id, capture.times[i]) == seen.id) begins.push_back(i);
       if (begins.size() != 1) {
         warnings.push_back(
             fmt::format("{} of the frames of capture \"{}\" may be the first of \"{}\" of the "

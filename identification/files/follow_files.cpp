@@ -35,7 +35,7 @@ std::vector<Capture> captures_in(const std::filesystem::path& file, const std::f
 /// What a request says beside the fit.
 FollowOptions requested_options(const models::Model& model, const FitResult& fitted, const Capture& capture,
                                 const FollowRequest& request) {
-  FollowOptions options = follow_options(model, fitted, capture);
+  FollowOptions options = of_file(request.fit, [&] { return follow_options(model, fitted, capture); });
   std::vector<std::string> known;
   for (const auto& [name, noise] : options.noise) known.push_back(name);
   if (options.attitude_noise) known.emplace_back("attitude");
@@ -55,12 +55,6 @@ FollowOptions requested_options(const models::Model& model, const FitResult& fit
   if (request.step) options.step = *request.step;
   if (request.start_frames) options.start_frames = *request.start_frames;
   return options;
-}
-
-/// Whether two names are those of one file.
-bool is_same_file(const std::string& a, const std::string& b) {
-  std::error_code missing;
-  return a == b || std::filesystem::equivalent(a, b, missing);
 }
 
 /// @param track that is followed: what comes in it must not be known beforehand

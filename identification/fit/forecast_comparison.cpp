@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/base/streams.h"
 #include "samara/identification/forecasts/trained_forecasts.h"
 #include "samara/identification/smoothing/medians.h"
@@ -228,9 +229,8 @@ std::optional<ComparedQuantity> compare_quantity(std::span<const ForecastsOfMode
 
 void check_resampling(const ResamplingOptions& options) {
   constexpr int kFewest = 2, kMost = 1'000'000;  // whose errors have three digits
-  if (options.replicates >= kFewest && options.replicates <= kMost) return;
-  throw ArgumentError(fmt::format("replicates is {}; {} to {} samples of clusters were expected",
-                                  options.replicates, kFewest, kMost));
+  require(options.replicates >= kFewest && options.replicates <= kMost, "replicates", options.replicates,
+          fmt::format("{} to {}", kFewest, kMost));
 }
 
 std::vector<ComparedQuantity> compare_forecasts(std::span<const ForecastsOfModel> models,

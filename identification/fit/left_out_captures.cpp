@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
 #include "samara/base/units.h"
+#include "samara/identification/captures/capture_file.h"
 #include "samara/identification/problem/segments.h"
 #include "samara/identification/solve/held_noise.h"
 
@@ -52,6 +52,7 @@ FitOptions holding(const models::FamilyInfo& family, const FitResult& fitted, Fi
   options.uncertainty.cluster_by.clear();
   options.uncertainty.profiles = false;
   options.uncertainty.bootstrap = {};
+  options.uncertainty.posterior = {};
   options.starts.global = {};
   options.progress = {};
   return options;
@@ -81,12 +82,6 @@ PredictedOutputs predicted_outputs(const models::FamilyInfo& family, std::span<c
   });
   if (!family.attitude.empty() && has_attitude) predicted.attitude = family.attitude;
   return predicted;
-}
-
-/// Whether two names are those of one file.
-bool is_same_file(const std::string& a, const std::string& b) {
-  std::error_code missing;
-  return a == b || std::filesystem::equivalent(a, b, missing);
 }
 
 /// Captures, or spans of each with what follows them.

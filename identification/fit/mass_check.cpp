@@ -70,6 +70,7 @@ class OtherMasses {
     options_.starts.count = 1;
     options_.starts.rounds = 1;
     options_.uncertainty.bootstrap = {};
+    options_.uncertainty.posterior = {};
     options_.progress = {};
     options_.solver.max_iterations = std::min(options_.solver.max_iterations, kMostIterations);
     // Costs are comparable where residuals have the same scales. A fit that failed has none.

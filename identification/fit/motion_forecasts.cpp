@@ -15,6 +15,9 @@ namespace samara::identification {
 
 namespace {
 
+/// Times ahead that are this share of what was asked count as it.
+constexpr double kReached = 0.9;
+
 AskedMoment asked(const CapturePrediction& one, const Quantity& quantity, Eigen::Index frame, int cluster) {
   AskedMoment moment{.moment = {.cluster = cluster, .seen = seen_of(one, quantity)},
                      .time = one.times[frame]};
@@ -178,7 +181,6 @@ std::vector<double> MotionForecasts::horizons(std::size_t quantity) const {
 }
 
 std::vector<std::string> MotionForecasts::lacks(double reach) const {
-  constexpr double kReached = 0.9;
   std::map<std::string, std::string> names;  // by what is said of them
   for (std::size_t q = 0; q < compared_.size(); ++q) {
     if (compared_[q].is_attitude || compared_[q].period != 0.0) continue;
@@ -217,20 +219,25 @@ std::vector<std::string> MotionForecasts::lacks(double reach) const {
 }
 
 std::string MotionForecasts::shares(std::size_t quantity) const {
-  if (trained_[quantity].empty()) return {};
+  // The farthest of which anything was learned.
+  const std::vector<Horizon>& horizons = trained_[quantity];
+  const auto far = std::find_if(horizons.rbegin(), horizons.rend(),
+                                [](const Horizon& one) { return one.trained.is_mixed(); });
+  if (far == horizons.rend()) return {};
   std::string shares;
-  for (const auto& [predictor, share] : trained_[quantity].back().trained.shares()) {
+  for (const auto& [predictor, share] : far->trained.shares()) {
     constexpr double kShown = 0.005;
     if (share >= kShown) shares += fmt::format("{}{:.2f} {}", shares.empty() ? "" : ", ", share, predictor);
   }
   if (shares.empty()) return {};
   std::string views;
   if (!prediction_.views.empty() && compared_[quantity].components.level.size() == 2) {
-    const bool sees = trained_[quantity].back().trained.autoregression().turning().sees_views();
+    const bool sees = far->trained.autoregression().turning().sees_views();
     views = sees ? "; the autoregression looks at views" : "; the autoregression does not look at views";
   }
-  return fmt::format("the mixture of {}, {:.4g} s ahead: {}{}", compared_[quantity].name, prediction_.ahead,
-                     shares, views);
+  const double ahead = far->ahead < kReached * prediction_.ahead ? far->ahead : prediction_.ahead;
+  return fmt::format("the mixture of {}, {:.4g} s ahead: {}{}", compared_[quantity].name, ahead, shares,
+                     views);
 }
 
 }  // namespace samara::identification

@@ -69,6 +69,7 @@ PredictedCaptures predict_by_folds(const models::TrajectoryFamily& family, std::
   FitOptions plain = options;
   plain.uncertainty.profiles = false;
   plain.uncertainty.bootstrap = {};
+  plain.uncertainty.posterior = {};
   PredictedCaptures outcome;
   for (int fold = 0; fold < folds.count; ++fold) {
     std::vector<Capture> others, left_out;

@@ -85,8 +85,8 @@ void add_predictions(const models::TrajectoryFamily& family, std::span<const Cap
                      std::span<const Capture> training = {});
 
 /// The same by cross validation: clusters of captures are dealt into folds, and those of each fold predicted
-/// by a fit of all others (without profiles and bootstrap). Scores are those of all captures together. With a
-/// mixture, the others of each fold train it.
+/// by a fit of all others (without profiles, bootstrap and posterior). Scores are those of all captures
+/// together. With a mixture, the others of each fold train it.
 /// @throws ArgumentError as fit() and predict_left_out(), and for folds without a cluster
 void cross_validate(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,

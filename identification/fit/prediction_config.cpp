@@ -15,13 +15,6 @@ namespace {
 
 using io::TomlTable;
 
-std::optional<double> positive_time(const TomlTable& table, const std::string& key) {
-  const std::optional<double> time = table.optional_quantity(key, "s");
-  if (time && !(*time > 0.0))
-    throw table.error(key, fmt::format("the value is {}; more than 0 was expected", *time));
-  return time;
-}
-
 LabelChoice read_choice(const TomlTable& root, const std::string& key) {
   LabelChoice choice;
   if (!root.has(key)) return choice;
@@ -85,9 +78,9 @@ PredictionConfig read(const TomlTable& root) {
   const TomlTable table = root.table("prediction");
   table.expect_keys(
       {"span", "window", "ahead", "stride", "left_out", "fitted", "folds", "hidden", "mixture", "views"});
-  config.span = positive_time(table, table.renamed("span", "window"));
-  config.ahead = positive_time(table, "ahead");
-  config.stride = positive_time(table, "stride");
+  config.span = table.optional_positive(table.renamed("span", "window"), "s");
+  config.ahead = table.optional_positive("ahead", "s");
+  config.stride = table.optional_positive("stride", "s");
   config.left_out = read_choice(table, "left_out");
   config.fitted = read_choice(table, "fitted");
   if (table.has("mixture")) config.mixture = table.boolean("mixture");

@@ -108,7 +108,8 @@ class Tallies {
                         std::vector<PredictionScore>& scores) {
     std::vector<PredictionScore> group;
     double least = std::numeric_limits<double>::infinity();
-    // Who is silent where others speak may have left out what is hard: the best is one of those that say most.
+    // One that gives no forecast where others do may have left out what is hard: the best is one of those that give
+    // most.
     int most = 0;
     for (const PredictionTally& tally : tallies) most = std::max(most, tally.score().count);
     for (const PredictionTally& tally : tallies) {
@@ -132,7 +133,7 @@ class Tallies {
            predictor != kAutoregression && predictor != kMixture;
   }
 
-  /// How far each lies behind the plain baseline with the least median.
+  /// How much worse each is than the plain baseline with the least median.
   static void add_differences(std::span<const PredictionTally> tallies, std::vector<PredictionScore>& group) {
     const PredictionTally* best = nullptr;
     for (const PredictionTally& tally : tallies) {
@@ -318,18 +319,20 @@ Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePredi
                  const PredictionOptions& prediction) {
   const std::vector<Predictor> predictors = all_predictors();
   Tallies all(predictors, compared, prediction, reach_of(predictions, prediction));
-  std::vector<std::pair<std::string, Tallies>> motions;
+  // Captures of several files may have one id.
+  std::vector<std::pair<std::pair<std::string, std::string>, Tallies>> motions;
   for (CapturePrediction& one : predictions) {
     unwrap(compared, one.seen);
-    if (motions.empty() || motions.back().first != one.motion)
-      motions.emplace_back(one.motion,
+    const std::pair motion(one.file, one.motion);
+    if (motions.empty() || motions.back().first != motion)
+      motions.emplace_back(motion,
                            Tallies(predictors, compared, prediction, reach_of(predictions, prediction)));
     Tallies* const tallies[] = {&all, &motions.back().second};
     tally(one, predictors, compared, prediction, tallies);
   }
   Scores scores;
   all.add_scores("", scores.all);
-  for (const auto& [motion, of_motion] : motions) of_motion.add_scores(motion, scores.by_capture);
+  for (const auto& [motion, of_motion] : motions) of_motion.add_scores(motion.second, scores.by_capture);
   return scores;
 }
 

@@ -58,9 +58,6 @@ struct FollowOptions {
   std::map<std::string, double> periods = {};
   /// Each frame is the mean of so many frames, centred on it; odd. Frames must come at about equal times.
   int averaged_frames = 1;
-  /// A frame whose normalised innovation squared is beyond this quantile of its chi^2 distribution is an outlier: it
-  /// counts with its noise raised until it is at that quantile.
-  double gate = 0.9999;
 
   // What moves.
 
@@ -81,13 +78,6 @@ struct FollowOptions {
   int start_frames = 8;
   /// A turn of the body about its z axis, or over, changes nothing: attitudes are told by where z points.
   bool round_body = false;
-  /// Ways on that are carried at most.
-  int hypotheses = 6;
-  /// Those that are less likely than the best by this factor are dropped.
-  double least_weight = 1e-4;
-  int iterations = 3;  ///< of an update, at most
-  /// After so many outliers in a row the motion is lost, and a start is looked for again.
-  int lost_after = 6;
   ForecastOrder forecasts = ForecastOrder::second;
   /// Frames are kept for Follower::smoothed(); memory grows with them.
   bool remember = false;

@@ -172,7 +172,7 @@ std::string follow_json(const FollowReport& report) {
                        {"forecast_lower", rows_of(motion.forecasts.lower)},
                        {"forecast_upper", rows_of(motion.forecasts.upper)},
                        {"warnings", report.warnings}};
-  return object.dump() + "\n";
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace samara::identification

@@ -28,8 +28,6 @@ void check_follow_options(const FollowOptions& options) {
     require_not_negative(period, "period of " + name, kWhere);
   require(options.averaged_frames >= 1 && options.averaged_frames % 2 == 1, "averaged_frames",
           options.averaged_frames, "an odd number from 1 on", kWhere);
-  require(options.gate > 0.0 && options.gate < 1.0, "gate", options.gate, "a probability between 0 and 1",
-          kWhere);
   require_not_negative(options.model_noise.velocity, "model_noise.velocity", kWhere);
   require_not_negative(options.model_noise.rate, "model_noise.rate", kWhere);
   for (const auto& [name, noise] : options.model_noise.states)
@@ -47,11 +45,6 @@ void check_follow_options(const FollowOptions& options) {
     require(c.value >= c.lower && c.value <= c.upper, c.name, c.value, "a value within its bounds", kWhere);
   }
   require(options.start_frames >= 1, "start_frames", options.start_frames, "1 or more", kWhere);
-  require(options.hypotheses >= 1, "hypotheses", options.hypotheses, "1 or more", kWhere);
-  require(options.least_weight > 0.0 && options.least_weight < 1.0, "least_weight", options.least_weight,
-          "a number between 0 and 1", kWhere);
-  require(options.iterations >= 1, "iterations", options.iterations, "1 or more", kWhere);
-  require(options.lost_after >= 1, "lost_after", options.lost_after, "1 or more", kWhere);
   const Eigen::Index count = std::ssize(options.coefficients);
   const Eigen::MatrixXd& covariance = options.coefficient_covariance;
   if (covariance.size() == 0) return;

@@ -74,12 +74,25 @@ double noise_of(const FitResult& fitted, const std::string& output) {
       "the fit says nothing of the noise of \"{}\"; a noise level or a residual was expected", output));
 }
 
+bool is_delay_or_gain(const std::string& name) {
+  return name == kDelay || name.starts_with(gain_name(""));
+}
+
+/// One that changes nothing may be held.
+void refuse_held(const std::string& name, double value) {
+  const double nothing = name == kDelay ? 0.0 : 1.0;
+  if (value == nothing) return;
+  throw ArgumentError(fmt::format(
+      "the fit holds \"{}\" at {}; {} was expected, since frames are followed without delay and gains", name,
+      value, nothing));
+}
+
 void refuse_unfollowed(const FitResult& fitted, const models::ModelInfo& info) {
   if (fitted.status == FitStatus::failed)
     throw ArgumentError(fmt::format("a fit that failed cannot be followed: {}", fitted.message));
   for (const auto& names : {fitted.setup.unknowns.shared, fitted.setup.unknowns.per_capture}) {
     for (const std::string& name : names) {
-      if (name == kDelay || name.starts_with("gain of "))
+      if (is_delay_or_gain(name))
         throw ArgumentError(
             fmt::format("the fit has an unknown \"{}\"; one without delay and gains was expected", name));
     }
@@ -108,8 +121,8 @@ void add_outputs(const models::ModelInfo& info, const FitResult& fitted, const C
     }
   }
   if (options.noise.empty() && !options.attitude_noise) {
-    throw ArgumentError(fmt::format("the capture \"{}\" measures nothing of what was fitted: {}", capture.id,
-                                    join(fitted.setup.compared.outputs)));
+    refuse(capture.file, fmt::format("the capture \"{}\" measures nothing of what was fitted: {}", capture.id,
+                                     join(fitted.setup.compared.outputs)));
   }
 }
 
@@ -196,12 +209,19 @@ FollowOptions follow_options(const models::Model& model, const FitResult& fitted
   if (fitted.setup.solver.step) options.step = *fitted.setup.solver.step;
   for (const auto& held : {fitted.fixed, fitted.setup.unknowns.fixed}) {
     for (const auto& [name, value] : held) {
+      if (is_delay_or_gain(name)) refuse_held(name, value);
       const bool is_start = name.ends_with(kInitial) && is_state(info, state_name(name));
       if (is_start || is_parameter(info, name)) options.fixed[name] = value;
     }
   }
-  for (const auto& [name, known] : fitted.setup.unknowns.known)
-    options.fixed[name] = known_value(capture, name, known);
+  for (const auto& [name, known] : fitted.setup.unknowns.known) {
+    const double value = known_value(capture, name, known);
+    if (is_delay_or_gain(name)) {
+      refuse_held(name, value);
+    } else {
+      options.fixed[name] = value;
+    }
+  }
   add_outputs(info, fitted, capture, options);
   for (const std::string& offset : fitted.setup.unknowns.offsets.value_or(std::vector<std::string>()))
     options.fixed.erase(offset + kInitial);  // the place is what the frames say
@@ -228,10 +248,27 @@ Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& inf
         compared_channel(capture, measured[k], unit_of(info, measured[k])).values;
   }
   if (!any) {
-    throw ArgumentError(fmt::format("the capture \"{}\" measures nothing of what is followed: {}", capture.id,
-                                    join(measured)));
+    refuse(capture.file, fmt::format("the capture \"{}\" measures nothing of what is followed: {}",
+                                     capture.id, join(measured)));
+  }
+  // An attitude of which a part is missing counts as not seen.
+  const std::vector<std::string> attitude = attitude_of(info);
+  if (!attitude.empty() && std::ranges::count(measured, attitude.front()) > 0) {
+    for (Eigen::Index row = 0; row < values.rows(); ++row) {
+      if (values.row(row).tail(4).hasNaN()) values.row(row).tail(4).setConstant(kNotFollowed);
+    }
   }
   return values;
+}
+
+FollowedFrame add_frame(Follower& follower, const Capture& capture, const Eigen::MatrixXd& values,
+                        Eigen::Index row) {
+  const Eigen::RowVectorXd frame = values.row(row);
+  try {
+    return follower.add(capture.times[row], {frame.data(), static_cast<std::size_t>(frame.size())});
+  } catch (const ArgumentError& error) {
+    refuse(capture.file, fmt::format("capture \"{}\": {}", capture.id, error.what()));
+  }
 }
 
 void check_steps(const FollowOptions& options, const Capture& capture, double ahead) {
@@ -282,11 +319,8 @@ FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOp
   }
   for (Eigen::MatrixXd* table : {&motion.forecasts.mean, &motion.forecasts.lower, &motion.forecasts.upper})
     table->setConstant(rows, std::ssize(motion.outputs), kNotFollowed);
-  Eigen::RowVectorXd frame(values.cols());
   for (Eigen::Index row = 0; row < rows; ++row) {
-    frame = values.row(row);
-    motion.frames.push_back(
-        follower.add(capture.times[row], {frame.data(), static_cast<std::size_t>(frame.size())}));
+    motion.frames.push_back(add_frame(follower, capture, values, row));
     motion.log_likelihood += motion.frames.back().log_likelihood;
     if (!follower.is_following()) continue;
     const FollowedState state = follower.state();

@@ -23,8 +23,9 @@ namespace samara::identification {
 /// own unknowns may lie (priors, else their boxes). Coefficients without an error, and initial values that captures
 /// share, are held. Model noise and drifts are zero: choose_noise() finds them.
 /// @param capture has the values of what is known for each capture; outputs it does not measure are left out
-/// @throws ArgumentError or InputError for a fit that failed, with delay, gains, or offsets of what is no place; for a
-/// capture that lacks a known value or all outputs; and if an output has neither a noise nor a residual
+/// @throws ArgumentError or InputError for a fit that failed, with delay, gains (but those held at 0 and 1), or offsets
+/// of what is no place; for a capture that lacks a known value or all outputs; and if an output has neither a noise nor
+/// a residual
 FollowOptions follow_options(const models::Model& model, const FitResult& fitted, const Capture& capture);
 
 /// A capture, frame by frame. Tables have a row for each frame; NaN before the start was found.
@@ -47,16 +48,23 @@ struct FollowedMotion {
   ForecastBand forecasts = {};
 };
 
-/// Values of a frame in the order of Follower::measured(), NaN where the capture has no such channel.
+/// Values of a frame in the order of Follower::measured(), NaN where the capture has no such channel, and for all of an
+/// attitude of which a part is missing.
 /// @throws as refuse() if it measures none of them, or one in a unit of another dimension
 Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& info, const Capture& capture);
+
+/// A frame of a capture as Follower::add() takes it.
+/// @param values as frames_of() gives them
+/// @throws as refuse(), where Follower::add() refuses the frame
+FollowedFrame add_frame(Follower& follower, const Capture& capture, const Eigen::MatrixXd& values,
+                        Eigen::Index row);
 
 /// @param ahead s, of the forecast beyond each frame
 /// @throws ArgumentError if these are more than 1e10 steps, which take an hour
 void check_steps(const FollowOptions& options, const Capture& capture, double ahead);
 
 /// @param ahead s; 0: no forecasts
-/// @throws ArgumentError as Follower and Follower::add(), and for a time ahead that is negative
+/// @throws ArgumentError as Follower, and for a time ahead that is negative; as add_frame()
 FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOptions& options,
                       const Capture& capture, double ahead = 0.0);
 

@@ -18,6 +18,10 @@ namespace {
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 /// Of standard errors: hypotheses that differ by less are one.
 constexpr double kMerged = 0.3;
+/// Hypotheses that are less likely than the best by this factor are dropped.
+constexpr double kLeastWeight = 1e-4;
+/// After so many outliers in a row the motion is lost, and a start is looked for again.
+constexpr int kLostAfter = 6;
 
 FollowedState state_of(const FollowedModel& model, const Hypothesis& hypothesis, double time) {
   return {.time = time,
@@ -140,7 +144,7 @@ struct Follower::Impl {
     double highest = -std::numeric_limits<double>::infinity();
     for (const Hypothesis& hypothesis : hypotheses) highest = std::max(highest, hypothesis.log_weight);
     double sum = 0.0;
-    const double least = highest + std::log(model.options().least_weight);
+    const double least = highest + std::log(kLeastWeight);
     std::erase_if(hypotheses, [&](const Hypothesis& h) { return !(h.log_weight >= least); });
     for (const Hypothesis& hypothesis : hypotheses) sum += std::exp(hypothesis.log_weight - highest);
     for (Hypothesis& hypothesis : hypotheses) hypothesis.log_weight -= highest + std::log(sum);
@@ -237,7 +241,7 @@ struct Follower::Impl {
       if (!hypotheses.empty()) result.status = FollowStatus::following;
     } else {
       result = take_in(before);
-      if (hypotheses.empty() || outliers_in_row >= model.options().lost_after) {
+      if (hypotheses.empty() || outliers_in_row >= kLostAfter) {
         result.status = FollowStatus::lost;
         keep_past();
         hypotheses.clear();

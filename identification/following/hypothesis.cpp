@@ -16,6 +16,11 @@ namespace {
 constexpr double kLongestPart = 1.5;
 /// Of a standard error: an update that moves by less has settled.
 constexpr double kSettled = 1e-3;
+/// Of an update, at most.
+constexpr int kUpdateIterations = 3;
+/// A frame whose normalised innovation squared is beyond this quantile of its chi^2 distribution is an outlier: it
+/// counts with its noise raised until it is at that quantile.
+constexpr double kGate = 0.9999;
 
 std::vector<int> all_directions(const FollowedModel& model) {
   std::vector<int> directions(static_cast<std::size_t>(model.size()));
@@ -44,7 +49,7 @@ HypothesisFilter::HypothesisFilter(const FollowedModel& model)
   const Eigen::Index rows = model.compared();
   gates_.assign(1, 0.0);
   for (Eigen::Index count = 1; count <= rows; ++count) {
-    gates_.push_back(chi_squared_quantile(static_cast<double>(count), model.options().gate));
+    gates_.push_back(chi_squared_quantile(static_cast<double>(count), kGate));
   }
   for (Eigen::VectorXd* vector : {&moved_, &point_}) vector->setZero(size);
   for (Eigen::VectorXd* vector : {&error_, &step_}) vector->setZero(errors);
@@ -214,7 +219,7 @@ HypothesisFilter::Update HypothesisFilter::update(Hypothesis& hypothesis, double
   moved_ = hypothesis.point;
   error_.setZero();
   double raised = 1.0;
-  for (int iteration = 0; iteration < model_.options().iterations; ++iteration) {
+  for (int iteration = 0; iteration < kUpdateIterations; ++iteration) {
     // What is seen is bent much less over one step than the motion to it: its first derivatives do for all iterations,
     // but for those of a turn, which the step may have turned far.
     const bool is_bent = iteration == 0 || model_.attitude_is_measured();

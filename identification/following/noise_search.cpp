@@ -70,14 +70,13 @@ Score score_capture(const std::shared_ptr<const models::Model>& model, const Fol
   const auto outputs = std::ssize(periods);
   Score score;
   double next_origin = 0.0;
-  Eigen::RowVectorXd row(values.cols());
   for (Eigen::Index k = 0; k < values.rows(); ++k) {
-    row = values.row(k);
-    const FollowedFrame frame =
-        follower.add(capture.times[k], {row.data(), static_cast<std::size_t>(row.size())});
+    const FollowedFrame frame = add_frame(follower, capture, values, k);
     if (search.ahead <= 0.0) {
-      if (frame.log_likelihood == 0.0 && frame.status != FollowStatus::lost) continue;
-      score.sum += std::max(kLeastDensity, frame.log_likelihood);
+      const bool says_nothing = frame.log_likelihood == 0.0;
+      if (says_nothing && frame.status != FollowStatus::lost) continue;
+      // Lost without a word: the motion broke down before the frame.
+      score.sum += says_nothing ? kLeastDensity : std::max(kLeastDensity, frame.log_likelihood);
       ++score.frames;
       continue;
     }

@@ -48,7 +48,8 @@ NoiseChoice score_of(const std::shared_ptr<const models::Model>& model,
 /// The choice under which frames of these captures were most likely before they were seen, by a search along one
 /// number after the other. The same captures give the same choice, on any number of threads.
 /// @param options of each capture, as follow_options() makes them
-/// @throws ArgumentError as Follower; for as many options as there are not captures, and times that are negative
+/// @throws ArgumentError as Follower, as add_frame(), for as many options as there are not
+/// captures, and times that are negative
 NoiseChoice choose_noise(const std::shared_ptr<const models::Model>& model,
                          std::span<const FollowOptions> options, std::span<const Capture> captures,
                          const NoiseSearch& search = {});

@@ -27,6 +27,8 @@ constexpr int kDescentSteps = 25;
 constexpr double kSame = 0.5;
 /// A frame that is missed so many times worse than the median frame is an outlier.
 constexpr double kFarOff = 25.0;
+/// Ways on that are carried at most.
+constexpr int kMostHypotheses = 6;
 
 struct StartPrior {
   Eigen::VectorXd point;       ///< its mean
@@ -162,7 +164,8 @@ std::vector<Eigen::VectorXd> beginnings(const FollowedModel& model, const StartP
   return points;
 }
 
-/// Moves states that are not measured such that the equations give the rates that were measured; attitude and angles stay.
+/// Moves states that are not measured such that the equations give the rates that were measured; attitude and angles
+/// stay.
 void meet_rates(const FollowedModel& model, double time, const MeasuredStates& seen, const StartPrior& prior,
                 Eigen::VectorXd& point) {
   Eigen::VectorXd deviations = prior.deviations;
@@ -373,8 +376,7 @@ std::vector<Hypothesis> find_starts(const FollowedModel& model, std::span<const 
         std::ranges::any_of(kept, [&](const Hypothesis& other) { return are_same(model, other, start); });
     if (!is_known) kept.push_back(std::move(start));
   }
-  if (std::ssize(kept) > model.options().hypotheses)
-    kept.resize(static_cast<std::size_t>(model.options().hypotheses));
+  if (std::ssize(kept) > kMostHypotheses) kept.resize(static_cast<std::size_t>(kMostHypotheses));
   return kept;
 }
 

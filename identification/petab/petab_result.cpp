@@ -106,11 +106,12 @@ std::string petab_simulations(const PetabProblem& problem, const FitResult& fit)
   for (const CaptureFit& capture : fit.captures) {
     const std::string& condition = capture.labels.at(kPetabCondition);
     for (Eigen::Index frame = 0; frame < capture.times.size(); ++frame) {
-      for (std::size_t o = 0; o < capture.residuals.size(); ++o) {
-        const auto column = static_cast<Eigen::Index>(o);
+      // The turns of attitudes are residuals without a column.
+      for (Eigen::Index column = 0; column < capture.measured.cols(); ++column) {
         if (std::isnan(capture.measured(frame, column))) continue;
-        text += fmt::format("{}\t{}\t{}\t{}\n", problem.observables.at(capture.residuals[o].output),
-                            condition, capture.times[frame], capture.model(frame, column));
+        const std::string& output = capture.residuals[static_cast<std::size_t>(column)].output;
+        text += fmt::format("{}\t{}\t{}\t{}\n", problem.observables.at(output), condition,
+                            capture.times[frame], capture.model(frame, column));
       }
     }
   }

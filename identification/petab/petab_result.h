@@ -17,6 +17,7 @@ std::string petab_parameters(const PetabProblem& problem, const FitResult& fit);
 std::vector<std::string> petab_noise_outside_bounds(const PetabProblem& problem, const FitResult& fit);
 
 /// The table of simulations: what the model says at each measurement, in the order of captures, times and observables.
+/// Of an attitude, whose four numbers are compared as one turn, there are no rows.
 std::string petab_simulations(const PetabProblem& problem, const FitResult& fit);
 
 }  // namespace samara::identification

@@ -38,13 +38,7 @@ std::vector<std::string> known_names(const TomlTable& table, const std::string& 
 }
 
 void require_positive_key(const TomlTable& table, const std::string& key, double value) {
-  if (!(value > 0.0)) throw table.error(key, fmt::format("the value is {}; more than 0 was expected", value));
-}
-
-double positive_quantity(const TomlTable& table, const std::string& key, const std::string& unit) {
-  const double value = table.difference(key, unit);
-  require_positive_key(table, key, value);
-  return value;
+  if (!(value > 0.0)) throw table.error(key, fmt::format("is {}; more than 0 was expected", value));
 }
 
 int positive_integer(const TomlTable& table, const std::string& key) {
@@ -64,13 +58,13 @@ LossOptions read_loss(const TomlTable& table, const Units& outputs) {
   }
   if (!table.has("scale")) return loss;
   if (!table.is_table("scale")) {
-    loss.length_scale = positive_quantity(table, "scale", "m");
+    loss.length_scale = table.positive_difference("scale", "m");
     return loss;
   }
   const TomlTable scales = table.table("scale");
   scales.expect_keys(names_of(outputs));
   for (const std::string& name : scales.keys())
-    loss.scales[name] = positive_quantity(scales, name, outputs.at(name));
+    loss.scales[name] = scales.positive_difference(name, outputs.at(name));
   return loss;
 }
 
@@ -100,12 +94,12 @@ std::map<std::string, models::Interval> read_box(const TomlTable& table, const U
 SegmentOptions read_segments(const TomlTable& root) {
   SegmentOptions segments;
   if (!root.is_table("segments")) {
-    segments.length = positive_quantity(root, "segments", "s");
+    segments.length = root.positive("segments", "s");
     return segments;
   }
   const TomlTable table = root.table("segments");
   table.expect_keys({"length", "stages"});
-  segments.length = positive_quantity(table, "length", "s");
+  segments.length = table.positive("length", "s");
   if (!table.has("stages")) return segments;
   segments.stages = table.numbers("stages");
   if (segments.stages.empty())
@@ -182,7 +176,7 @@ CameraOptions read_camera(const TomlTable& root, const Units& outputs) {
     camera.scale = table.number("scale");
     require_positive_key(table, "scale", *camera.scale);
   }
-  if (table.has("rotation")) camera.rotation = positive_quantity(table, "rotation", "rad");
+  if (table.has("rotation")) camera.rotation = table.positive_difference("rotation", "rad");
   if (table.has("axes")) camera.axes = known_names(table, "axes", outputs);
   if (table.has("angles")) camera.angles = known_names(table, "angles", outputs);
   return camera;
@@ -252,8 +246,8 @@ std::map<std::string, double> read_periods(const TomlTable& table, const Units& 
 ComparisonOptions read_comparison(const TomlTable& root, const Units& outputs) {
   ComparisonOptions compared;
   const std::string span = root.renamed("span", "window");
-  if (root.has(span)) compared.span = positive_quantity(root, span, "s");
-  if (root.has("stride")) compared.stride = positive_quantity(root, "stride", "s");
+  if (root.has(span)) compared.span = root.positive(span, "s");
+  if (root.has("stride")) compared.stride = root.positive("stride", "s");
   if (compared.stride && !compared.span) throw root.error("stride", "belongs to `span`, which is not there");
   if (root.has("outputs")) compared.outputs = known_names(root, "outputs", outputs);
   if (root.has("periods")) compared.periods = read_periods(root.table("periods"), outputs);
@@ -322,7 +316,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
   options.compared = read_comparison(root, names.outputs);
   if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);
   if (root.has("attitude_scale"))
-    options.loss.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
+    options.loss.attitude_scale = root.positive_difference("attitude_scale", "rad");
   if (root.has("noise")) options.noise = read_noise(root, names.outputs);
   options.unknowns = read_unknowns(root, names, of_model);
   if (root.has("priors")) {
@@ -334,7 +328,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
   if (root.has("camera")) options.camera = read_camera(root, names.outputs);
   if (root.has("segments")) options.segments = read_segments(root);
   options.starts = read_starts(root, names.coordinates);
-  if (root.has("step")) options.solver.step = positive_quantity(root, "step", "s");
+  if (root.has("step")) options.solver.step = root.positive("step", "s");
   if (root.has("codebook"))
     options.solver.codebook =
         (std::filesystem::path(root.file()).parent_path() / root.string("codebook")).string();

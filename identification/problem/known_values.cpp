@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
 #include "samara/base/text.h"
 #include "samara/identification/captures/number_cells.h"
 
@@ -37,11 +36,6 @@ double stated_number(const Capture& capture, const std::string& coordinate, cons
 }
 
 }  // namespace
-
-void refuse(const std::string& file, const std::string& sentence) {
-  if (file.empty()) throw ArgumentError(sentence);
-  throw InputError(file, sentence);
-}
 
 double known_value(const Capture& capture, const std::string& coordinate, const KnownValue& known) {
   return known.times * std::pow(stated_number(capture, coordinate, known.label), known.power);

@@ -10,10 +10,6 @@
 /// Coordinates that captures say themselves; internal to identification/.
 namespace samara::identification {
 
-/// What is wrong with a capture is wrong with the file it came from, if it came from one.
-/// @throws InputError, or ArgumentError where the name of the file is empty
-[[noreturn]] void refuse(const std::string& file, const std::string& sentence);
-
 /// The value of a known coordinate, SI.
 /// @throws ArgumentError or InputError if the capture does not say it
 double known_value(const Capture& capture, const std::string& coordinate, const KnownValue& known);

@@ -6,7 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/identification/problem/known_values.h"
+#include "samara/identification/captures/capture.h"
 
 namespace samara::identification {
 

@@ -135,11 +135,14 @@ Chosen choose(SeriesFits& fits, std::vector<SmoothnessTrial>& trials) {
     }
     SeriesFits::Judgement judgement = fits.judge(result, factor);
     trials.push_back({factor, judgement.criterion, judgement.effective});
-    const bool first = best.fit.status == FitStatus::failed;
+    // Of a fit that cannot be judged the criterion is NaN: any other is better, and it ends no search.
+    const bool is_judged = !std::isnan(best.judgement.criterion);
+    const bool first =
+        best.fit.status == FitStatus::failed || (!is_judged && !std::isnan(judgement.criterion));
     if (first || judgement.criterion < best.judgement.criterion) {
       best = {factor, std::move(result), std::move(judgement)};
       worse = 0;
-    } else if (++worse == 2) {
+    } else if (is_judged && ++worse == 2) {
       break;
     }
   }

@@ -1,5 +1,7 @@
 #include "samara/identification/series/series_config.h"
 
+#include <cstdint>
+
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -11,12 +13,6 @@ namespace samara::identification {
 namespace {
 
 using io::TomlTable;
-
-double positive_quantity(const TomlTable& table, const std::string& key, const std::string& unit) {
-  const double value = table.quantity(key, unit);
-  if (!(value > 0.0)) throw table.error(key, fmt::format("the value is {}; more than 0 was expected", value));
-  return value;
-}
 
 std::optional<SeriesOptions> read_series(const TomlTable& root, const ConfigNames& names) {
   if (!root.has("series")) return {};
@@ -35,14 +31,19 @@ std::optional<SeriesOptions> read_series(const TomlTable& root, const ConfigName
     if (names.coordinates.contains(name)) continue;
     throw table.error("coefficients", fmt::format("unknown name \"{}\"{}", name, suggestion(name, known)));
   }
-  series.span = positive_quantity(table, table.renamed("span", "window"), "s");
-  if (table.has("stride")) series.stride = positive_quantity(table, "stride", "s");
-  if (table.has("order")) series.order = static_cast<int>(table.integer("order"));
+  series.span = table.positive(table.renamed("span", "window"), "s");
+  if (table.has("stride")) series.stride = table.positive("stride", "s");
+  if (table.has("order")) {
+    const std::int64_t order = table.integer("order");
+    if (order != 1 && order != 2)
+      throw table.error("order", fmt::format("is {}; 1 or 2 was expected", order));
+    series.order = static_cast<int>(order);
+  }
   if (table.has("smoothness")) {
     const TomlTable scales = table.table("smoothness");
     scales.expect_keys(series.coefficients);
     for (const std::string& name : scales.keys())
-      series.scales[name] = positive_quantity(scales, name, names.coordinates.at(name));
+      series.scales[name] = scales.positive_difference(name, names.coordinates.at(name));
   }
   try {
     validate(series);

@@ -111,7 +111,7 @@ class ClockedTrajectories final : public models::TrajectoryFamily {
 }  // namespace
 
 std::string SeriesKnots::name(std::size_t coefficient, int knot) const {
-  return fmt::format("{}@{:.6g}", coefficients[coefficient], instants[knot]);
+  return fmt::format("{}@{:.9g}", coefficients[coefficient], instants[knot]);
 }
 
 Eigen::MatrixXd difference_rows(const Eigen::VectorXd& instants, int order, double unit) {

@@ -42,8 +42,8 @@ std::optional<Capture> part(const Capture& capture, double begin, double end, do
   }
   if (static_cast<Eigen::Index>(frames.size()) < kFewestFrames) return {};
   Capture span = capture;
-  span.id = fmt::format("{} from {:.6g} s", capture.id, begin);
-  span.labels["span"] = fmt::format("{:.6g}", begin);
+  span.id = span_id(capture.id, begin);
+  span.labels["span"] = fmt::format("{:.9g}", begin);
   span.times = Eigen::VectorXd(capture.times(frames));
   for (std::size_t c = 0; c < span.channels.size(); ++c) {
     if (capture.channels[c].values.size() == capture.times.size())

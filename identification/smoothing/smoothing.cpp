@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/local_polynomial.h"
 #include "samara/identification/smoothing/medians.h"
@@ -137,18 +138,13 @@ void check_times(const Eigen::VectorXd& times, Index rows) {
 
 void check_smoothing(const Eigen::VectorXd& times, Index rows, const Eigen::VectorXd& at,
                      const SmoothingOptions& options) {
-  if (options.degree < 2 || options.degree > 6)
-    throw ArgumentError(fmt::format("polynomials have degree {}; 2 to 6 was expected", options.degree));
-  if (options.bandwidth && !(*options.bandwidth > 0.0 && std::isfinite(*options.bandwidth)))
-    throw ArgumentError(fmt::format("the bandwidth is {} s; more than 0 s was expected", *options.bandwidth));
-  if (options.noise && !(*options.noise >= 0.0 && std::isfinite(*options.noise)))
-    throw ArgumentError(fmt::format("the noise is {}; a size was expected", *options.noise));
-  if (options.averaged_frames < 1)
-    throw ArgumentError(
-        fmt::format("a frame is the mean of {}; at least 1 was expected", options.averaged_frames));
-  if (!(options.outlier_threshold > 0.0))
-    throw ArgumentError(
-        fmt::format("outlier_threshold is {}; more than 0 was expected", options.outlier_threshold));
+  constexpr const char* kWhere = "smoothing";
+  require(options.degree >= 2 && options.degree <= 6, "degree", options.degree, "2 to 6", kWhere);
+  if (options.bandwidth) require_positive(*options.bandwidth, "bandwidth [s]", kWhere);
+  if (options.noise) require_not_negative(*options.noise, "noise", kWhere);
+  require(options.averaged_frames >= 1, "averaged_frames", options.averaged_frames, "1 or more", kWhere);
+  require(options.outlier_threshold > 0.0, "outlier_threshold", options.outlier_threshold, "more than 0",
+          kWhere);
   check_times(times, rows);
   check_seen_frames(times.size(), options);
   const double slack = median_interval(times);

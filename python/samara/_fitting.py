@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import pathlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Optional, Union
@@ -16,7 +15,7 @@ from . import _core, _html, _toml
 from ._building import Path, Progress, Reported
 from ._captures import files_and_tables
 from ._codebook import Codebook
-from ._errors import ArgumentError, InputError
+from ._errors import ArgumentError
 from ._labels import optional
 from ._models import Model
 from ._units import Quantity, one_si, real_array
@@ -204,10 +203,7 @@ class FitResult:
 
         :raises InputError: (an ``OSError``) where it cannot be written
         """
-        try:
-            pathlib.Path(path).write_text(self._fit.html(), encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"{os.fspath(path)}: cannot be written: {error.strerror}") from None
+        _html.write_page(path, self._fit.html())
 
     def series_codebook(self) -> Codebook:
         """The series as a codebook over time, for ``samara simulate --coefficients``."""

@@ -1,4 +1,4 @@
-"""How things look in a notebook."""
+"""How things look in a notebook, and pages for the browser."""
 
 from __future__ import annotations
 
@@ -6,7 +6,11 @@ import html
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from . import _core
+from ._errors import ArgumentError, InputError
+
 if TYPE_CHECKING:
+    from ._building import Path
     from ._codebook import Codebook
     from ._fitting import Coefficient, FitResult
 
@@ -14,6 +18,17 @@ if TYPE_CHECKING:
 def unit(text: str) -> str:
     """" m/s", or nothing for a number without unit."""
     return "" if text == "1" else f" {text}"
+
+
+def write_page(path: "Path", page: str) -> None:
+    """Writes a page for the browser: who reads it meanwhile sees the old one or the new, and never a part.
+
+    :raises InputError: (an ``OSError``) where it cannot be written
+    """
+    try:
+        _core.write_text(path, page)
+    except ArgumentError as error:
+        raise InputError(str(error)) from None
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

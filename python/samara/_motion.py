@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pathlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Optional
@@ -11,7 +10,7 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
+from . import _core, _html
 from ._building import Path
 from ._captures import files_and_tables
 from ._errors import ArgumentError
@@ -188,7 +187,7 @@ class Patterns:
             raise ArgumentError(f"the body is of the type {type(body).__name__}, expected a samara.Regime")
         numbers = None if body is None else {name: getattr(body, name) for name in ("Re", "I_disc", "I_plate", "I_ellipse")}
         page = _core.captures_html([vars(r) for r in self.records], swings, overlap, rule, numbers)
-        pathlib.Path(path).write_text(page, "utf-8")
+        _html.write_page(path, page)
 
 
 def patterns(

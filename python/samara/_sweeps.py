@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import pathlib
 from collections.abc import Iterable, Mapping
 from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core, _toml
+from . import _core, _html, _toml
 from ._building import Path, Progress, Reported
 from ._errors import ArgumentError
 from ._labels import optional
@@ -154,7 +153,7 @@ class Sweep:
 
     def report(self, path: Path) -> None:
         """The page for the browser: diagram, map, features, transitions."""
-        pathlib.Path(path).write_text(self._core.html(), "utf-8")
+        _html.write_page(path, self._core.html())
 
 
 def sweep(

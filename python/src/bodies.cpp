@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +30,15 @@ using motion::NextPieces;
 struct HeldBodies {
   std::shared_ptr<const NextPieces> pieces;
   motion::Bodies bodies;
+  std::mutex mutex = {};
+
+  /// One thread at a time. The interpreter's lock is given up first, or one who waits here would keep it from all.
+  template <class Work>
+  auto alone(const Work& work) {
+    const py::gil_scoped_release release;
+    const std::lock_guard guard(mutex);
+    return work(bodies);
+  }
 };
 
 std::shared_ptr<NextPieces> pieces_of(const motion::Sweep& sweep, const py::object& report, int threads) {
@@ -68,22 +79,24 @@ std::unique_ptr<HeldBodies> bodies_of(const std::shared_ptr<const NextPieces>& p
   options.tries = tries;
   if (wind) options.wind = motion::steady_wind(vector_of(*wind, "wind"));
   options.seed = seed;
-  return std::make_unique<HeldBodies>(HeldBodies{pieces, motion::Bodies(*pieces, count, options)});
+  return std::unique_ptr<HeldBodies>(new HeldBodies{pieces, motion::Bodies(*pieces, count, options)});
 }
 
-py::tuple poses_of(const HeldBodies& held, const py::object& positions, const py::object& rotations) {
+py::tuple poses_of(HeldBodies& held, const py::object& positions, const py::object& rotations) {
   const py::ssize_t count = held.bodies.count();
   py::array_t<double> places = room_for({count, 3}, positions), turns = room_for({count, 4}, rotations);
-  held.bodies.read_poses({places.mutable_data(), static_cast<std::size_t>(3 * count)},
-                         {turns.mutable_data(), static_cast<std::size_t>(4 * count)});
+  const std::span all_places(places.mutable_data(), static_cast<std::size_t>(3 * count)),
+      all_turns(turns.mutable_data(), static_cast<std::size_t>(4 * count));
+  held.alone([&](const motion::Bodies& bodies) { bodies.read_poses(all_places, all_turns); });
   return py::make_tuple(places, turns);
 }
 
-std::vector<int> states_of(const HeldBodies& held) {
-  std::vector<int> all;
-  for (Eigen::Index n = 0; n < held.bodies.count(); ++n)
-    all.push_back(static_cast<int>(held.bodies.status(n)));
-  return all;
+std::vector<int> states_of(HeldBodies& held) {
+  return held.alone([](const motion::Bodies& bodies) {
+    std::vector<int> all;
+    for (Eigen::Index n = 0; n < bodies.count(); ++n) all.push_back(static_cast<int>(bodies.status(n)));
+    return all;
+  });
 }
 
 }  // namespace
@@ -116,15 +129,20 @@ void add_bodies(py::module_& module) {
       .def(
           "release",
           [](HeldBodies& held, Eigen::Index body, const Array& place, double yaw) {
-            held.bodies.release(body, vector_of(place, "place"), yaw);
+            const Eigen::Vector3d at = vector_of(place, "place");
+            held.alone([&](motion::Bodies& bodies) { bodies.release(body, at, yaw); });
           },
           py::arg("body"), py::arg("place"), py::arg("yaw"))
       .def(
-          "advance", [](HeldBodies& held, double dt) { held.bodies.advance(dt); }, py::arg("dt"),
-          py::call_guard<py::gil_scoped_release>())
+          "advance",
+          [](HeldBodies& held, double dt) {
+            held.alone([&](motion::Bodies& bodies) { bodies.advance(dt); });
+          },
+          py::arg("dt"))
       .def("counts",
-           [](const HeldBodies& held) {
-             const motion::BodyCounts& counts = held.bodies.counts();
+           [](HeldBodies& held) {
+             const motion::BodyCounts counts =
+                 held.alone([](const motion::Bodies& bodies) { return motion::BodyCounts(bodies.counts()); });
              py::dict all;
              all["events"] = counts.events;
              all["planned"] = counts.planned;
@@ -134,7 +152,10 @@ void add_bodies(py::module_& module) {
              all["redrawn"] = counts.redrawn;
              return all;
            })
-      .def("falling", [](const HeldBodies& held) { return held.bodies.falling(); })
+      .def("falling",
+           [](HeldBodies& held) {
+             return held.alone([](const motion::Bodies& bodies) { return bodies.falling(); });
+           })
       .def("poses", &poses_of, py::arg("positions"), py::arg("rotations"))
       .def("states", &states_of);
 }

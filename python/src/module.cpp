@@ -3,11 +3,13 @@
 
 #include <glog/logging.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "rooms.h"
 #include "samara/base/errors.h"
 #include "samara/base/units.h"
 #include "samara/base/version.h"
+#include "samara/io/atomic_file.h"
 
 namespace samara::python {
 
@@ -57,6 +59,7 @@ PYBIND11_MODULE(_core, module) {
   FLAGS_minloglevel = google::GLOG_FATAL;
   py::register_local_exception_translator(translate);
   module.attr("__version__") = samara::version();
+  module.def("write_text", &samara::io::write_text_atomically, py::arg("path"), py::arg("text"));
   module.def("si", &si, py::arg("text"), py::arg("unit"));
   module.def("si_unit", &si_unit, py::arg("unit"));
   add_codebooks(module);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -160,7 +159,7 @@ class PythonModel final : public models::Model {
     } catch (...) {
       failure_->keep();
     }
-    throw std::runtime_error(fmt::format("the function of the model \"{}\" raised an exception", info_.name));
+    throw NoResultError(fmt::format("the function of the model \"{}\" raised an exception", info_.name));
   }
 
   static py::object at_points(const py::object& function, const Eigen::Ref<const Eigen::VectorXd>& t,

@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -31,7 +30,7 @@ py::tuple separate(const py::object& call, const std::string& plan, const py::ob
                    const std::optional<int>& certificate_points) {
   Failure failure;
   const pgd::PointsFunction function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
-    if (failure.is_there()) throw std::runtime_error("the function has raised an exception before");
+    if (failure.is_there()) throw NoResultError("the function has raised an exception before");
     const py::gil_scoped_acquire lock;
     try {
       // Copied: the function may keep its points, and the library does not.
@@ -48,7 +47,7 @@ py::tuple separate(const py::object& call, const std::string& plan, const py::ob
     } catch (...) {
       failure.keep();
     }
-    throw std::runtime_error("the function raised an exception");
+    throw NoResultError("the function raised an exception");
   };
   const codebooks::BuildOptions options{.certificate_points = certificate_points,
                                         .checkpoint = checkpoint,

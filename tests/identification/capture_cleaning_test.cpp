@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -88,6 +89,26 @@ TEST_CASE("a frame period that is known is kept, and frames are counted by it") 
     CHECK_THROWS_AS(on_frame_grid(capture, wrong), samara::ArgumentError);
   // By a period of half as much every second frame is missing.
   CHECK(on_frame_grid(capture, 0.05).dropped_frames == 8);
+}
+
+TEST_CASE("half of the frames of a grid may be missing, one after the other") {
+  Eigen::VectorXd times(7);
+  times << 0.0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9;
+  const FrameGrid grid = on_frame_grid(capture_of(times, {}));
+  CHECK(grid.period == Approx(0.1).epsilon(1e-3));
+  CHECK(grid.dropped_frames == 3);
+}
+
+TEST_CASE("times without an interval, or with a jump that no frames lie in, have no grid") {
+  const Eigen::VectorXd even = Eigen::VectorXd::LinSpaced(9, 0.0, 0.8);
+  Eigen::VectorXd jump = even, missing = even;
+  jump[8] = 1e12;
+  missing[3] = NAN;
+  for (const std::optional<double> period : {std::optional<double>(), std::optional(0.1)}) {
+    CHECK_THROWS_WITH(on_frame_grid(capture_of(jump, {}), period), Catch::Contains("without such a jump"));
+    for (const Eigen::VectorXd& times : {missing, Eigen::VectorXd(Eigen::VectorXd::Zero(9))})
+      CHECK_THROWS_WITH(on_frame_grid(capture_of(times, {}), period), Catch::Contains("times that increase"));
+  }
 }
 
 TEST_CASE("a grid holds over a long recording") {

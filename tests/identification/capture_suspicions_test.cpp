@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "samara/base/errors.h"
 #include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/captures/capture_file.h"
 
@@ -136,4 +137,10 @@ TEST_CASE("a long recording is suspected by some of its frames") {
   CHECK(std::ranges::count_if(found, [](const std::string& sentence) {
           return sentence.starts_with("positions accelerate by 9.81e+03 m/s^2, gravity times 10^3");
         }) == 1);
+}
+
+TEST_CASE("a channel of another length than its times is refused, not suspected") {
+  Capture capture = fall(50);
+  capture.times.conservativeResize(40);
+  CHECK_THROWS_AS(suspicions(capture), samara::ArgumentError);
 }

@@ -80,3 +80,24 @@ TEST_CASE("a quantity that was not measured is named with the nearest one") {
   CHECK_THAT(error_of<samara::ArgumentError>([&] { capture.channel("y"); }),
              Contains("capture \"drop\" does not measure \"y\""));
 }
+
+TEST_CASE("spans have ids of their own, however long a recording has run") {
+  Capture capture = ten_frames_a_second();
+  capture.times.array() += 12345.0;
+  const std::vector<Capture> parts = spans(capture, 0.3, 0.4);
+  REQUIRE(parts.size() == 2);
+  CHECK(parts[0].id == "drop from 12345 s");
+  CHECK(parts[1].id == "drop from 12345.4 s");
+  CHECK(span_id("drop", 0.1 + 0.2) == "drop from 0.3 s");
+}
+
+TEST_CASE("a channel that has not a value for each frame is refused before it is cut") {
+  Capture capture = ten_frames_a_second();
+  capture.channels[0].values.conservativeResize(10);
+  const std::string expected =
+      "capture \"drop\" has 10 values of \"x\"; one for each of its 11 frames was expected";
+  CHECK(error_of<samara::ArgumentError>([&] { first(capture, 0.5); }) == expected);
+  CHECK(error_of<samara::ArgumentError>([&] { spans(capture, 0.3, 0.4); }) == expected);
+  capture.file = "drop.csv";
+  CHECK_THAT(error_of<samara::InputError>([&] { first(capture, 0.5); }), Contains("drop.csv: " + expected));
+}

@@ -6,10 +6,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "../error_text.h"
 #include "plate_captures.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/identification/series/series_codebook.h"
+#include "samara/identification/series/series_config.h"
 #include "samara/identification/series/series_knots.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
@@ -352,4 +354,39 @@ TEST_CASE("what a series cannot be is one sentence") {
   CHECK_THAT(with([](SeriesOptions& s) { s.order = 3; }), Contains("series.order is 3"));
   CHECK_THAT(with([](SeriesOptions& s) { s.scales = {{"A", 1.0}}; }), Contains("none of its coefficients"));
   CHECK_THAT(with([](SeriesOptions& s) { s.span = 1e-3; }), Contains("8000 values"));
+}
+
+TEST_CASE(
+    "a config gives the smoothness of a temperature as a difference, which no scale with an offset is") {
+  ConfigNames names;
+  names.coordinates = {{"ambient", "K"}};
+  const auto series = [&](const std::string& smoothness) {
+    return parse_series_config(
+        "[series]\ncoefficients = [\"ambient\"]\nspan = \"1 s\"\nsmoothness = { ambient = " + smoothness +
+            " }\n",
+        "fit.toml", names);
+  };
+  CHECK(series("\"2 K\"")->scales.at("ambient") == 2.0);
+  const auto error = [&](const std::string& smoothness) {
+    return error_text<samara::InputError>([&] { series(smoothness); });
+  };
+  CHECK_THAT(error("\"2 degC\""), Contains("fit.toml:4: [series.smoothness] ambient: ") &&
+                                      Contains("a difference of temperatures is given in K"));
+  CHECK_THAT(error("0"), Contains("is 0; more than 0 was expected"));
+}
+
+TEST_CASE("values of a series have names of their own, however long a recording has run") {
+  const SeriesKnots knots{.instants = Eigen::Vector2d(1000.25, 1000.5), .coefficients = {"C_R"}};
+  CHECK(knots.name(0, 0) == "C_R@1000.25");
+  CHECK(knots.name(0, 1) == "C_R@1000.5");
+}
+
+TEST_CASE("an order of differences that no number of the program holds is refused by its value") {
+  ConfigNames names;
+  names.coordinates = {{"C_R", "1"}};
+  CHECK_THAT(error_text<samara::InputError>([&] {
+               parse_series_config("[series]\ncoefficients = [\"C_R\"]\nspan = \"1 s\"\norder = 4294967298\n",
+                                   "fit.toml", names);
+             }),
+             Contains("fit.toml:4") && Contains("order") && Contains("is 4294967298; 1 or 2 was expected"));
 }

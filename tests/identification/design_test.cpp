@@ -113,6 +113,14 @@ TEST_CASE("the best two times for amplitude and rate of a decay are its start an
   CHECK_THAT(design.times[1], WithinAbs(1.0 / kDecay, 0.025));
 }
 
+TEST_CASE("of a long film as many times are chosen as were asked for") {
+  DesignOptions options = at_the_answer();  // of 201 frames, every second of which is enough for fewer times
+  options.times = 120;
+  const Design design = design_experiment(DecayFamily(), decay_fit({0.1}), options);
+  REQUIRE(design.times.size() == 120);
+  for (std::size_t k = 1; k < design.times.size(); ++k) CHECK(design.times[k] > design.times[k - 1]);
+}
+
 TEST_CASE("errors expected are those of the sum of what is known and what is seen") {
   const DesignOptions options = at_the_answer();
   const Design design = design_experiment(DecayFamily(), decay_fit({0.003}), options);

@@ -275,3 +275,14 @@ TEST_CASE("Kinovea's text for gnuplot is a capture for each track, by its name o
   files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n");
   CHECK_THAT(reading_error(path), Catch::Contains("without a track"));
 }
+
+TEST_CASE("a track of Kinovea may have a name that looks like a comparison") {
+  const TestFiles files;
+  const auto path =
+      files.put("tracks.toml", "file = \"tracks.txt\"\nlength_unit = \"m\"\ntime_unit = \"ms\"\n");
+  files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n\n# <ball\n0 1 2\n20 3 4\n40 5 6\n\n");
+  const auto captures = read_captures(path);
+  REQUIRE(captures.size() == 1);
+  CHECK(captures[0].labels.at("body") == "<ball");
+  CHECK(captures[0].times.size() == 3);
+}

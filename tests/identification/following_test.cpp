@@ -6,8 +6,11 @@
 #include <catch2/catch.hpp>
 
 #include "../allocation_count.h"
+#include "../error_text.h"
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
+#include "samara/identification/following/follow_report.h"
+#include "samara/identification/following/followed_motion.h"
 #include "samara/identification/following/follower.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
@@ -361,4 +364,59 @@ TEST_CASE("a follower does not allocate from frame to frame") {
     const long calls = allocation_counter::during([&] { follower.add(kFrame * k, values); });
     if (k > 12) CHECK(calls == 0);
   }
+}
+
+TEST_CASE("a delay or a gain that a fit holds is refused, but for one that changes nothing") {
+  const auto model = models::find_model("vertical_fall");
+  FitResult fitted{.status = FitStatus::converged, .model = "vertical_fall"};
+  fitted.setup.compared.outputs = {"x"};
+  fitted.noise = {{.outputs = {"x"}, .unit = "m", .value = 1e-3}};
+  Capture capture{.id = "drop", .file = {}, .labels = {{"late", "0.02"}}, .times = {}, .channels = {}};
+  capture.times = Eigen::Vector3d(0.0, 0.1, 0.2);
+  capture.channels = {{"x", "m", Eigen::Vector3d::Zero()}};
+  const auto refusal = [&] {
+    return error_text<ArgumentError>([&] { follow_options(*model, fitted, capture); });
+  };
+  fitted.fixed["gain of x"] = 1.1;
+  CHECK_THAT(refusal(), Catch::Contains("holds \"gain of x\" at 1.1; 1 was expected"));
+  fitted.fixed = {{"gain of x", 1.0}, {"delay", 0.0}};
+  CHECK_FALSE(follow_options(*model, fitted, capture).fixed.contains("delay"));
+  fitted.setup.unknowns.fixed["delay"] = 0.05;
+  CHECK_THAT(refusal(), Catch::Contains("holds \"delay\" at 0.05; 0 was expected"));
+  fitted.setup.unknowns.fixed.clear();
+  fitted.setup.unknowns.known["delay"] = "late";
+  CHECK_THAT(refusal(), Catch::Contains("holds \"delay\" at 0.02"));
+  capture.labels["late"] = "0";
+  CHECK_FALSE(follow_options(*model, fitted, capture).fixed.contains("delay"));
+}
+
+TEST_CASE(
+    "an attitude of which a part is missing counts as not seen, and one of no length is the file's fault") {
+  const auto model = models::find_model("immersed_body");
+  FollowOptions options;
+  options.fixed = {{"a", 0.05},   {"b", 0.05},    {"c", 1e-3},  {"density", 100.0}, {"fluid_density", 1.2},
+                   {"C_D0", 0.1}, {"C_D90", 2.0}, {"C_T", 1.0}, {"C_R", 1.0},       {"C_w", 3.0}};
+  options.noise = {{"x", 1e-3}};
+  options.attitude_noise = 0.02;
+  Follower follower(model, options);
+  Capture capture{.id = "disc", .file = "disc.csv", .labels = {}, .times = {}, .channels = {}};
+  capture.times = Eigen::Vector3d(0.0, 0.1, 0.2);
+  capture.channels = {{"x", "m", Eigen::Vector3d::Zero()}, {"qw", "1", Eigen::Vector3d(1.0, 1.0, 0.0)}};
+  for (const char* part : {"qx", "qy", "qz"})
+    capture.channels.push_back({part, "1", Eigen::Vector3d::Zero()});
+  capture.channels.back().values[1] = kNotSeen;
+  const Eigen::MatrixXd values = frames_of(follower, model->info(), capture);
+  CHECK(values.row(0).tail(4).allFinite());
+  CHECK(values.row(1).tail(4).array().isNaN().all());
+  CHECK(values(1, 0) == 0.0);
+  add_frame(follower, capture, values, 0);
+  add_frame(follower, capture, values, 1);
+  CHECK_THAT(error_text<InputError>([&] { add_frame(follower, capture, values, 2); }),
+             Catch::Contains("disc.csv: capture \"disc\": the attitude at 0.2 s has the length 0"));
+}
+
+TEST_CASE("a name that is no UTF-8 does not keep the JSON of a followed motion from being written") {
+  FollowReport report;
+  report.motion.capture = "not \xff utf-8";
+  CHECK_THAT(follow_json(report), Catch::Contains("\"capture\":\"not \xef\xbf\xbd utf-8\""));
 }

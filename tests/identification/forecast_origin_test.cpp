@@ -233,6 +233,11 @@ TEST_CASE("a mixture that training taught nothing, or of nearer frames alone, is
   REQUIRE(nearer.size() == 1);
   CHECK_THAT(nearer[0], Catch::Contains("the mixture of position has learned 0.3 s ahead at most") &&
                             Catch::Contains("asked 0.6 s ahead"));
+  // Its shares are those of the farthest frames that taught some, whatever is asked.
+  CHECK_THAT(MotionForecasts(kPlace, training, {.span = 0.2, .ahead = 10.0}).shares(0),
+             Catch::StartsWith("the mixture of position, 0.3 s ahead: "));
+  CHECK_THAT(MotionForecasts(kPlace, training, prediction).shares(0),
+             Catch::StartsWith("the mixture of position, 0.3 s ahead: "));
   const auto lacks_of = [&](std::size_t count) {
     return MotionForecasts(kPlace, std::span(training).first(count), prediction).lacks(0.3).at(0);
   };

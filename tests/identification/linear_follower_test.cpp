@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -10,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
 #include "samara/identification/following/follower.h"
+#include "samara/identification/following/noise_search.h"
 #include "samara/models/equations/equation_model.h"
 
 using namespace samara;
@@ -169,4 +171,28 @@ TEST_CASE("a follower refuses frames that cannot be, and stays where it was") {
   options = point_options();
   options.noise["x"] = 0.0;
   CHECK_THROWS_WITH(Follower(falling_point(), options), Catch::Contains("noise of x"));
+}
+
+TEST_CASE("a motion that breaks down before a frame counts as the least likely, not as sure") {
+  // x = 1/(1 - t): there is none at 3 s.
+  const auto model = models::equation_model({.name = "pole",
+                                             .states = {{.name = "x", .unit = "1"}},
+                                             .parameters = {{.name = "k", .unit = "s^-1"}},
+                                             .rates = {"k*x*x"}});
+  FollowOptions options;
+  options.noise = {{"x", 1e-2}};
+  options.fixed = {{"k", 1.0}};
+  options.start_frames = 1;
+  const auto scored = [&](Eigen::Index frames) {
+    Capture capture{.id = "pole", .file = {}, .labels = {}, .times = {}, .channels = {}};
+    capture.times = Eigen::Vector4d(0.0, 0.1, 0.2, 3.0).head(frames);
+    capture.channels = {{"x", "1", Eigen::Vector4d(1.0, 1.0 / 0.9, 1.25, 1.0).head(frames)}};
+    const NoiseChoice exact{.velocity = 0.0, .rate = 0.0, .spread = 0.0, .drift = 0.0};
+    const NoiseChoice said = score_of(model, std::array{options}, std::array{capture}, {}, exact);
+    return std::pair(said.frames, said.frames * said.score);
+  };
+  const auto [sound_frames, sound] = scored(3);
+  const auto [all_frames, all] = scored(4);
+  CHECK(all_frames == sound_frames + 1);
+  CHECK(all == Approx(sound - 50.0));
 }

@@ -8,6 +8,7 @@
 #include "files.h"
 #include "samara/base/streams.h"
 #include "samara/identification/files/fit_files.h"
+#include "samara/identification/petab/petab_result.h"
 #include "samara/io/delimited_table.h"
 
 using namespace samara::identification;
@@ -108,6 +109,22 @@ TEST_CASE("a PEtab problem is fitted, its conditions known, and the tables come 
     CHECK(table.numbers("simulation")[at] ==
           Approx(start * std::exp(-kDecayRate * table.numbers("time")[at])).epsilon(1e-5));
   }
+}
+
+TEST_CASE(
+    "the turns of an attitude, which are one residual of four observables, have no rows of simulations") {
+  PetabProblem problem;
+  problem.observables = {{"x", "place"}, {"qw", "q0"}};
+  CaptureFit capture;
+  capture.labels[kPetabCondition] = "drop";
+  capture.residuals = {{"x", "m", 0.1}, {"attitude", "rad", 0.2}};
+  capture.times.setConstant(1, 0.5);
+  capture.measured.setConstant(1, 1, 2.0);
+  capture.model.setConstant(1, 1, 3.0);
+  FitResult fit;
+  fit.captures = {capture};
+  CHECK(petab_simulations(problem, fit) ==
+        "observableId\tsimulationConditionId\ttime\tsimulation\nplace\tdrop\t0.5\t3\n");
 }
 
 TEST_CASE("conditions of a PEtab problem may have parameters of their own, and noise may be estimated") {

@@ -1,13 +1,16 @@
 /// What predictions are made of, of what, and of which captures.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "predicted_motions.h"
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
@@ -309,4 +312,42 @@ TEST_CASE("a comparison of nothing, or of captures without a cluster, is refused
   clusters.erase({"drops.csv", "drop 7"});
   CHECK_THROWS_WITH(compare_forecasts(models, clusters),
                     "the capture \"drop 7\" of a forecast is in no cluster");
+}
+
+TEST_CASE("fits of folds, and of captures left out, draw no posterior") {
+  std::atomic<long> evaluations = 0;
+  const BrakedFamily braking;
+  const ClosedFormFamily family(
+      braking.info(), [&](std::span<const double> q, double t, auto& values, auto* derivatives) {
+        ++evaluations;
+        values << BrakedFamily::depth(q[0], q[1], t);
+        if (!derivatives) return;
+        const double kt = q[0] * t;
+        *derivatives << q[1] * (kt * std::exp(-kt) + std::expm1(-kt)) / (q[0] * q[0]),
+            BrakedFamily::depth(q[0], 1.0, t);
+      });
+  const std::vector captures = braked(0, 4, 1e-3);
+  const FitResult fitted = fit(family, captures, plain());
+  const auto spent = [&](const FitOptions& options) {
+    FitResult result = fitted;
+    const long before = evaluations;
+    cross_validate(family, captures, options, {.span = 0.6, .ahead = 0.5}, {.count = 2}, result);
+    return evaluations - before;
+  };
+  FitOptions drawing = plain();
+  drawing.uncertainty.posterior.samples = 40;
+  CHECK(spent(drawing) == spent(plain()));
+}
+
+TEST_CASE("captures of one id in several files are scored each by itself") {
+  const BrakedFamily family;
+  FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
+  std::vector<Capture> left_out = braked(4, 2, 0.0);
+  for (std::size_t k = 0; k < left_out.size(); ++k) {
+    left_out[k].id = "drop";
+    left_out[k].file = fmt::format("day {}.csv", k);
+  }
+  add_predictions(family, left_out, plain(), {.span = 0.6, .ahead = 0.5}, fitted);
+  CHECK(fitted.capture_predictions.size() == 2 * fitted.predictions.size());
+  for (const PredictionScore& score : fitted.capture_predictions) CHECK(score.captures == 1);
 }

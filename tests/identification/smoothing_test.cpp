@@ -261,8 +261,9 @@ TEST_CASE("smoothing refuses what has no meaning") {
     return error_of<samara::ArgumentError>([&] { smooth(t, v, a, options); });
   };
   CHECK(refusal(times, values, at, {}) == "no exception");
-  CHECK(refusal(times, values, at, {.degree = 7}) == "polynomials have degree 7; 2 to 6 was expected");
-  CHECK(refusal(times, values, at, {.bandwidth = 0.0}) == "the bandwidth is 0 s; more than 0 s was expected");
+  CHECK(refusal(times, values, at, {.degree = 7}) == "smoothing: degree is 7; 2 to 6 was expected");
+  CHECK(refusal(times, values, at, {.bandwidth = 0.0}) ==
+        "smoothing: bandwidth [s] is 0; a positive finite number was expected");
   CHECK(refusal(times.head(9), values, at, {}) == "there are 9 times for 10 frames");
   CHECK(refusal(times, values, at * 3.0, {}) == "1.5 s was asked for; the frames are from 0 s to 0.9 s");
   CHECK(refusal(times.reverse(), values, at, {}) ==

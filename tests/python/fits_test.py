@@ -46,6 +46,10 @@ def test_the_report_and_words_are_those_of_the_command(coin_path, result, tmp_pa
     assert len(a) == pytest.approx(len(b), abs=100) and b.startswith(a[:200])
     with pytest.raises(samara.InputError, match="/nowhere/fit.html"):
         result.report("/nowhere/fit.html")
+    # The old page is replaced, not overwritten: whoever reads it meanwhile has it to the end.
+    (tmp_path / "read.html").hardlink_to(tmp_path / "a.html")
+    result.report(tmp_path / "a.html")
+    assert (tmp_path / "read.html").read_text() == a and (tmp_path / "a.html").stat().st_ino != (tmp_path / "read.html").stat().st_ino
     assert "C_D" in str(result) and "converged" in repr(result) and "C_D" in result._repr_html_()
 
 

@@ -1,5 +1,6 @@
 """Patterns, sweeps, winds, flows and clouds, beside the command and plain formulas."""
 
+import concurrent.futures
 import json
 import re
 
@@ -57,6 +58,8 @@ def test_a_sweep_is_a_frame_and_a_map_and_a_page(tmp_path):
     times, states, names = swept.trajectories()
     assert states.shape == (54, len(times), len(names))
     np.testing.assert_allclose(states[1, 0, names.index("theta")], np.radians(40))
+    with pytest.raises(samara.InputError, match="/nowhere/page.html"):
+        swept.report("/nowhere/page.html")
     swept.report(tmp_path / "page.html")
     assert "default-src 'none'" in (tmp_path / "page.html").read_text()
     with pytest.raises(samara.ArgumentError, match="inside the box"):
@@ -368,6 +371,10 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
         positions, _ = leaves[0].poses(*room)
         assert positions is room[0]
     assert leaves[0].falling == 0 and set(leaves[0].status) == {"landed"}
+    # Threads take turns.
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        list(pool.map(leaves[1].advance, [1 / 60] * 600))
+    np.testing.assert_array_equal(leaves[1].poses()[0], positions)
     counts = leaves[0].counts
     assert counts["events"] == counts["drawn"] >= counts["planned"] >= counts["kept"] > 0 and 0 < counts["taken"] + counts["redrawn"] <= counts["drawn"]
     np.testing.assert_allclose(positions[:, 2], 0, atol=1e-12)
@@ -375,7 +382,7 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
         samara.Bodies(motions, 3, choice="best")
     with pytest.raises(samara.ArgumentError, match="count of bodies"):
         samara.Bodies(motions, 0)
-    with pytest.raises(samara.ArgumentError, match="9 tries were asked for"):
+    with pytest.raises(samara.ArgumentError, match="tries is 9"):
         samara.Bodies(motions, 1, tries=9)
     with pytest.raises(samara.InputError, match="no.h5"):
         samara.Motions.open(tmp_path / "no.h5")
