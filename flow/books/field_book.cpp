@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/codebooks/book/certificate_points.h"
 #include "samara/codebooks/book/provenance.h"
 #include "samara/codebooks/build/sampling_builder.h"
@@ -314,6 +315,9 @@ Eigen::VectorXd coarsened(const MacGrid& coarse, const MacGrid& fine, const Eige
     return i + Eigen::Index{grid.cells[0]} * (j + Eigen::Index{grid.cells[1]} * k);
   };
   const bool in_space = coarse.dimensions == 3;
+  for (std::size_t d = 0; d < (in_space ? 3U : 2U); ++d)
+    require(fine.cells[d] == 2 * coarse.cells[d], "cells", fine.cells[d],
+            fmt::format("{}, twice those of the coarser grid", 2 * coarse.cells[d]), "a finer flow");
   const double share = in_space ? 0.125 : 0.25;
   for (int k = 0; k < fine.cells[2]; ++k) {
     for (int j = 0; j < fine.cells[1]; ++j) {

@@ -31,11 +31,25 @@ StoredFlow flow_of(const codebooks::Codebook& book, const std::map<std::string, 
                                       coordinate.lower, coordinate.upper));
     point.push_back(given->second);
   }
-  for (const auto& [name, value] : at) book.coordinate_index(name);
+  for (const auto& [name, value] : at) {
+    const auto index = static_cast<std::size_t>(book.coordinate_index(name));
+    if (book.coordinates()[index].role == pgd::AxisRole::space)
+      throw ArgumentError(fmt::format("{} has its flows at every {}: expected no value of it", path, name));
+  }
+  if (point.size() != plan.box.size())
+    throw InputError(path,
+                     fmt::format("has {} coordinates beside those of places, expected {}, as its plan has",
+                                 point.size(), plan.box.size()));
+  try {
+    // As the builder did: only then are there so many cells as an integer counts.
+    check_case(flow_case_at(plan, corners_of(plan).first), plan.max_memory);
+  } catch (const ArgumentError& error) {
+    throw InputError(path, error.what());
+  }
   const FlowCase flow = flow_case_at(plan, point);
   StoredFlow stored(grid_of(flow));
   const Eigen::Index nodes = stored.grid.cell_count();
-  if (book.mesh() == nullptr || book.mesh()->node_count() != nodes || point.size() != plan.box.size())
+  if (book.mesh() == nullptr || book.mesh()->node_count() != nodes)
     throw InputError(path, "holds fields on another grid than that of its plan");
   stored.open = open_cells(flow, stored.grid);
   FlowSummary& s = stored.summary;

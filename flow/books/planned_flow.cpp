@@ -68,6 +68,10 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point,
 
 FlowPlan finer_plan(const FlowPlan& plan) {
   FlowPlan finer = plan;
+  // Whole cells of the coarser grid, as that has them: its borders are those of the finer one, too.
+  const double n = plan.flow.cells_per_length;
+  Extent& extent = finer.flow.extent;
+  for (double* length : {&extent.before, &extent.behind, &extent.side}) *length = std::round(*length * n) / n;
   finer.flow.cells_per_length *= 2;
   finer.text += "\n# twice the cells";
   return finer;

@@ -48,7 +48,12 @@ Shape read_shape(const TomlTable& flow, int dimensions, const MeshReader& mesh_r
   try {
     if (kind == "plate") {
       table.expect_keys({"kind", "thickness", "baffle"});
-      if (table.optional_boolean("baffle").value_or(false)) return baffle_section(1.0);
+      if (table.optional_boolean("baffle").value_or(false)) {
+        if (table.has("thickness"))
+          throw table.error("thickness",
+                            "stands beside baffle = true, which has none: expected one of the two");
+        return baffle_section(1.0);
+      }
       return rectangle_section(1.0, positive_number(table, "thickness"));
     }
     if (kind == "rectangle") {
@@ -211,6 +216,11 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
         "period",
         fmt::format("is {}, expected at most max_time, {}: no whole period is there to take means over",
                     flow.motion->period, plan.max_time));
+  // In less than that there are hardly any steps to take means over.
+  if (flow.motion && flow.motion->period > 0.0 && flow.motion->period * flow.cells_per_length < 1.0)
+    throw root.table("motion").error(
+        "period", fmt::format("is {}, expected at least {:.4g} l/U, in which the stream passes a cell",
+                              flow.motion->period, 1.0 / flow.cells_per_length));
   plan.max_memory = number_or(table, "max_memory", plan.max_memory);
   plan.seed = static_cast<std::uint64_t>(whole(table, "seed", 1, 0, INT64_MAX));
   plan.threads = static_cast<int>(whole(table, "threads", 0, 0, 1024));

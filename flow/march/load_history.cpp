@@ -60,7 +60,8 @@ Halves halves_of(const std::vector<PeriodMeans>& periods) {
   const double drag = drag_of_last(periods, count, half) - drag_of_last(periods, count - half, count - half);
   const double before = swing_of_last(periods, count - half, count - half),
                after = swing_of_last(periods, count, half), larger = std::max(before, after);
-  // A swing that says nothing of the drag yet may be the beginning of shedding about a body that was symmetric: it must not grow.
+  // A swing that says nothing of the drag yet may be the beginning of shedding about a body that was symmetric: it
+  // must not grow.
   const double change = larger < kLeastSwing ? after - before : std::abs(after - before);
   return {drag, change <= kSwing * larger + kRounding * std::abs(lift_of_last(periods, count, count))};
 }
@@ -79,8 +80,8 @@ Sample sample_of(std::span<const PeriodMeans> periods, const Value& value) {
   return sample;
 }
 
-/// Whether the means of both halves are further apart than a share of the larger one and than scatter lets them be. That is
-/// asked after every period, and Student's 95 % would come up by chance in a long run: twice that does not.
+/// Whether the means of both halves are further apart than a share of the larger one and than scatter lets them be.
+/// That is asked after every period, and Student's 95 % would come up by chance in a long run: twice that does not.
 template <class Value>
 bool has_moved(const std::vector<PeriodMeans>& periods, double share, double least, const Value& value) {
   constexpr double kBeyondChance = 2.0;
@@ -178,9 +179,13 @@ std::vector<PeriodMeans> last_periods(const std::vector<LoadRecord>& history, do
   const double length = period > 0.0 ? period : half;
   const double count = std::max(1.0, std::floor(half / length * (1.0 + 1e-9)));
   std::vector<PeriodMeans> periods(static_cast<std::size_t>(count));
+  const auto period_at = [&](double time) {
+    return static_cast<std::size_t>(std::clamp(std::floor((time - end) / length + count), 0.0, count - 1.0));
+  };
   for (const LoadRecord& record : history) {
     // A step counts in each period by the share of it that lies there.
-    for (std::size_t p = 0; p < periods.size(); ++p) {
+    const std::size_t last = period_at(record.time);
+    for (std::size_t p = period_at(record.time - record.step); p <= last; ++p) {
       const double low = end - length * (count - static_cast<double>(p)), high = low + length;
       const double share = std::min(record.time, high) - std::max(record.time - record.step, low);
       if (share <= 0.0) continue;

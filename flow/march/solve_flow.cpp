@@ -270,23 +270,6 @@ void summarise(FlowRun& run, const FlowOptions& options, double repeats, FlowRes
   }
 }
 
-/// A path that ends a run after hours is refused before it. The march looks at it again, step by step.
-void check_path(const FlowCase& flow, const FlowOptions& options) {
-  if (options.end != FlowEnd::time)
-    throw ArgumentError("solve_flow: a body that moves has no mean flow, expected the end \"time\"");
-  const MacGrid grid = grid_of(flow);
-  PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), 0.0);
-  constexpr int kPlaces = 2000;
-  for (int i = 0; i <= kPlaces; ++i) {
-    const double t = options.max_time * i / kPlaces;
-    const BodyPose pose = flow.motion->path(t);
-    if (!pose.is_finite())
-      throw ArgumentError(fmt::format("solve_flow: the path of the body is not finite at t = {:.6g}", t));
-    body.move_to(pose.place, pose.angle + flow.angle_of_attack);
-    require_within(grid, body, fmt::format(" at t = {:.6g}", t));
-  }
-}
-
 void warn(const FlowCase& flow, FlowResult& result) {
   if (flow.turbulence != TurbulenceModel::none && flow.reynolds < 1e3)
     result.warnings.push_back(fmt::format(
@@ -309,6 +292,22 @@ void warn(const FlowCase& flow, FlowResult& result) {
 std::string to_string(FlowStatus status) {
   constexpr std::array kNames = {"steady", "averaged", "max_time", "ended", "diverged", "cancelled"};
   return kNames.at(static_cast<std::size_t>(status));
+}
+
+void check_path(const FlowCase& flow, const FlowOptions& options) {
+  if (options.end != FlowEnd::time)
+    throw ArgumentError("solve_flow: a body that moves has no mean flow, expected the end \"time\"");
+  const MacGrid grid = grid_of(flow);
+  PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), 0.0);
+  constexpr int kPlaces = 2000;
+  for (int i = 0; i <= kPlaces; ++i) {
+    const double t = options.max_time * i / kPlaces;
+    const BodyPose pose = flow.motion->path(t);
+    if (!pose.is_finite())
+      throw ArgumentError(fmt::format("solve_flow: the path of the body is not finite at t = {:.6g}", t));
+    body.move_to(pose.place, pose.angle + flow.angle_of_attack);
+    require_within(grid, body, fmt::format(" at t = {:.6g}", t));
+  }
 }
 
 FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options) {

@@ -11,7 +11,8 @@
 #include "samara/flow/march/flow_case.h"
 #include "samara/flow/march/load_history.h"
 
-/// The flow about a body that is held in a stream: a steady one, or the mean of an unsteady one; or about a body that moves.
+/// The flow about a body that is held in a stream: a steady one, or the mean of an unsteady one; or about a body that
+/// moves.
 ///
 ///   const FlowResult flow = solve_flow({.shape = rectangle_section(1, 1), .reynolds = 22000});
 ///   flow.drag.value;      // C_D, with flow.drag.half_width
@@ -56,8 +57,8 @@ struct FlowChecks {
   double force_disagreement = 0.0;  ///< largest difference of the forces by surface and by box, over the drag
   long unconverged = 0;             ///< steps whose pressure was not found to 1e-8
   double energy_defect = 0.0;       ///< of the budget of k in the last step
-  /// Of all steps, where k or eps was carried to 0 or below and a solver that clips would have cut it. Here it ends the run
-  /// as `diverged`, and then this is not 0.
+  /// Of all steps, where k or eps was carried to 0 or below and a solver that clips would have cut it. Here it ends
+  /// the run as `diverged`, and then this is not 0.
   long clipped_cells = 0;
   long guarded_cells = 0;   ///< where the guard of nu_T acted in the last step
   double production = 0.0;  ///< integral of G after the last step
@@ -74,15 +75,15 @@ struct FlowResult {
   FaceField velocity;                     ///< means, on faces [U]
   Field pressure;                         ///< [density U^2]; 0 at the outflow
   Field k_modelled, k_resolved, epsilon;  ///< [U^2], [U^3/l]; the first and last are empty without a model
-  /// Of known error (half_width finite) if the flow is steady or at least two periods were averaged.
-  /// At FlowEnd::time loads are over the whole periods of the motion that fit into the second half of the run, at least one,
-  /// and without a period over that half.
+  /// Of known error (half_width finite) if the flow is steady or at least two periods were averaged. At
+  /// FlowEnd::time loads are over the whole periods of the motion that fit into the second half of the run, at least
+  /// one, and without a period over that half.
   MeanWithError drag;
   double lift = 0.0, moment = 0.0;        ///< means
   double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations
   double strouhal = 0.0;                  ///< f l/U; 0: nothing sheds
-  /// Behind the body's centre, where the mean u on the axis turns downstream; without a bubble the body's rear [l]. 0 of a
-  /// body that moves.
+  /// Behind the body's centre, where the mean u on the axis turns downstream; without a bubble the
+  /// body's rear [l]. 0 of a body that moves.
   double bubble_end = 0.0;
   double averaged_time = 0.0;  ///< l/U
   FlowStatus status = FlowStatus::cancelled;
@@ -94,9 +95,14 @@ struct FlowResult {
   long steps = 0;
 };
 
-/// @throws ArgumentError as check_case() does, for fewer than 0 threads, a checkpoint that stands at max_time already, a body
-/// that moves and another end than FlowEnd::time, or a path that is not finite, leaps or comes to a border before max_time;
-/// InputError for a checkpoint of another case or version
+/// A path that ends a run after hours is refused before it. The march looks at it again, step by step.
+/// @throws ArgumentError for another end than FlowEnd::time, or a path that is not finite or comes to a border before
+/// max_time; expects a case with a motion that check_case() lets pass
+void check_path(const FlowCase& flow, const FlowOptions& options);
+
+/// @throws ArgumentError as check_case() does, for fewer than 0 threads, a checkpoint that stands at max_time
+/// already, a body that moves and another end than FlowEnd::time, or a path that is not finite, leaps or comes to a
+/// border before max_time; InputError for a checkpoint of another case or version
 FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options = {});
 
 }  // namespace samara::flow

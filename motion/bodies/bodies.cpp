@@ -262,14 +262,13 @@ struct Bodies::Impl {
 
 Bodies::Bodies(const NextPieces& pieces, Eigen::Index count, const BodiesOptions& options) {
   require(count > 0, "count of bodies", count, "1 or more");
-  if (!(options.step >= 0.0) || !std::isfinite(options.step) || !std::isfinite(options.ramp) ||
-      !std::isfinite(options.ground.value_or(0.0)))
-    throw ArgumentError(fmt::format(
-        "step, ramp or ground of bodies is {}, {}, {}, expected finite numbers, the step 0 or more",
-        options.step, options.ramp, options.ground.value_or(0.0)));
-  if (options.tries < 0 || options.tries > static_cast<int>(NextPieces::kMost))
-    throw ArgumentError(
-        fmt::format("{} tries were asked for, expected 0 to {}", options.tries, NextPieces::kMost));
+  require_not_negative(options.step, "step of bodies");
+  require(std::isfinite(options.ramp), "ramp of bodies", options.ramp, "a finite number");
+  const double ground = options.ground.value_or(0.0);
+  require(std::isfinite(ground), "ground of bodies", ground, "a finite number");
+  constexpr auto kMostTries = static_cast<int>(NextPieces::kMost);
+  require(options.tries >= 0 && options.tries <= kMostTries, "tries", options.tries,
+          fmt::format("0 to {}", kMostTries));
   impl_ = std::make_unique<Impl>(pieces, count, options);
 }
 Bodies::~Bodies() = default;

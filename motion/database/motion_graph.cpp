@@ -1,12 +1,9 @@
 #include "samara/motion/database/motion_graph.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <numeric>
 
-#include <fmt/format.h>
-
-#include "samara/base/errors.h"
 #include "samara/base/parallel.h"
 #include "samara/motion/search/near_points.h"
 
@@ -14,7 +11,14 @@ namespace samara::motion {
 
 namespace {
 
-constexpr int kMostEdges = 24;
+/// That are tried, increasing.
+constexpr std::array kThresholds = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6};
+/// Of a node, the nearest.
+constexpr int kMostEdges = 16;
+/// Of these into one other run; into its own a node has none but the one that comes next.
+constexpr int kMostOfRun = 2;
+/// Of the largest share: what the share at the threshold may lack of it.
+constexpr double kPlateau = 0.01;
 
 /// Starts of all segments and of their symmetric copies.
 class Starts {
@@ -26,15 +30,15 @@ class Starts {
         points_(places()) {}
 
   /// Edges of one node below the last threshold, by distance.
-  std::vector<GraphEdge> edges_from(const GraphOptions& options, Eigen::Index n) const {
+  std::vector<GraphEdge> edges_from(Eigen::Index n) const {
     std::vector<GraphEdge> edges;
     const Eigen::VectorXd place = place_of(database_.ends.row(n), 0);
     // Wider and wider, until there are enough.
-    for (const double threshold : options.thresholds) {
-      edges = edges_within(options, n, place, threshold);
-      if (std::ssize(edges) >= options.most_edges) break;
+    for (const double threshold : kThresholds) {
+      edges = edges_within(n, place, threshold);
+      if (std::ssize(edges) >= kMostEdges) break;
     }
-    if (std::ssize(edges) > options.most_edges) edges.resize(static_cast<std::size_t>(options.most_edges));
+    if (std::ssize(edges) > kMostEdges) edges.resize(static_cast<std::size_t>(kMostEdges));
     const Eigen::Index next = database_.next_of(n);
     if (next >= 0) edges.insert(edges.begin(), {n, next, 0.0});
     return edges;
@@ -64,8 +68,7 @@ class Starts {
 
   /// Of other runs, the nearest of each. A periodic motion begins again and again as it did: with more of a run,
   /// or with the own one, there would be no room for others, the less the longer runs are.
-  std::vector<GraphEdge> edges_within(const GraphOptions& options, Eigen::Index n,
-                                      const Eigen::VectorXd& place, double threshold) const {
+  std::vector<GraphEdge> edges_within(Eigen::Index n, const Eigen::VectorXd& place, double threshold) const {
     std::vector<GraphEdge> near;
     for (const Eigen::Index p :
          points_.within({place.data(), static_cast<std::size_t>(place.size())}, threshold * threshold)) {
@@ -77,10 +80,9 @@ class Starts {
     for (const GraphEdge& edge : near) {
       const auto same_run = [&](const GraphEdge& e) { return run_of(e.to) == run_of(edge.to); };
       const auto same = [&](const GraphEdge& e) { return e.to == edge.to; };
-      if (std::ranges::any_of(edges, same) || std::ranges::count_if(edges, same_run) >= options.most_of_run)
-        continue;
+      if (std::ranges::any_of(edges, same) || std::ranges::count_if(edges, same_run) >= kMostOfRun) continue;
       edges.push_back(edge);
-      if (std::ssize(edges) == options.most_edges) break;
+      if (std::ssize(edges) == kMostEdges) break;
     }
     return edges;
   }
@@ -93,12 +95,11 @@ class Starts {
 };
 
 /// All of them, by node.
-std::vector<GraphEdge> near_edges(const MotionDatabase& database, const GraphOptions& options) {
+std::vector<GraphEdge> near_edges(const MotionDatabase& database) {
   const Starts starts(database);
   std::vector<std::vector<GraphEdge>> of_nodes(database.segments.size());
-  parallel_for(database.segment_count(), [&](Eigen::Index n) {
-    of_nodes[static_cast<std::size_t>(n)] = starts.edges_from(options, n);
-  });
+  parallel_for(database.segment_count(),
+               [&](Eigen::Index n) { of_nodes[static_cast<std::size_t>(n)] = starts.edges_from(n); });
   std::vector<GraphEdge> edges;
   for (const auto& some : of_nodes) edges.insert(edges.end(), some.begin(), some.end());
   return edges;
@@ -183,23 +184,6 @@ class ComponentWalk {
   int visited_ = 0;
 };
 
-void check_graph_options(const GraphOptions& options) {
-  double before = 0.0;
-  for (const double threshold : options.thresholds) {
-    if (!(threshold > before) || !std::isfinite(threshold))
-      throw ArgumentError(fmt::format("a threshold is {} after {}, expected them to increase from above 0",
-                                      threshold, before));
-    before = threshold;
-  }
-  if (options.thresholds.empty()) throw ArgumentError("there is no threshold, expected one or more");
-  if (options.most_of_run < 1)
-    throw ArgumentError(fmt::format("{} edges of a node into one run were asked for, expected 1 or more",
-                                    options.most_of_run));
-  if (options.most_edges < 1 || options.most_edges > kMostEdges)
-    throw ArgumentError(
-        fmt::format("{} edges of a node were asked for, expected 1 to {}", options.most_edges, kMostEdges));
-}
-
 }  // namespace
 
 std::vector<int> strong_components(const std::vector<Eigen::Index>& first_edge,
@@ -216,9 +200,8 @@ std::vector<int> strong_components(const std::vector<Eigen::Index>& first_edge,
   return component;
 }
 
-MotionGraph motion_graph(const MotionDatabase& database, const GraphOptions& options) {
-  check_graph_options(options);
-  const std::vector<GraphEdge> all = near_edges(database, options);
+MotionGraph motion_graph(const MotionDatabase& database) {
+  const std::vector<GraphEdge> all = near_edges(database);
   const Eigen::Index nodes = database.segment_count();
   const auto below = [&](double threshold) {
     std::vector<GraphEdge> edges;
@@ -228,7 +211,7 @@ MotionGraph motion_graph(const MotionDatabase& database, const GraphOptions& opt
   };
   MotionGraph graph;
   double most = 0.0;
-  for (const double threshold : options.thresholds) {
+  for (const double threshold : kThresholds) {
     const std::vector<GraphEdge> edges = below(threshold);
     const Links links = links_of(edges, nodes);
     const std::vector<int> component = strong_components(links.first, links.to);
@@ -236,9 +219,8 @@ MotionGraph motion_graph(const MotionDatabase& database, const GraphOptions& opt
     graph.curve.push_back({threshold, share, static_cast<Eigen::Index>(edges.size())});
     most = std::max(most, share);
   }
-  const auto chosen = std::ranges::find_if(graph.curve, [&](const ThresholdPoint& point) {
-    return point.share >= (1.0 - options.plateau) * most;
-  });
+  const auto chosen = std::ranges::find_if(
+      graph.curve, [&](const ThresholdPoint& point) { return point.share >= (1.0 - kPlateau) * most; });
   graph.threshold = chosen->threshold;
   graph.edges = below(graph.threshold);
   const Links links = links_of(graph.edges, nodes);

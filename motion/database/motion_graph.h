@@ -11,16 +11,8 @@ namespace samara::motion {
 
 struct GraphEdge {
   Eigen::Index from = 0, to = 0;
-  double distance =
-      0.0;  ///< of the end of `from` and the start of `to`; 0 where one continues the other in its run
-};
-
-struct GraphOptions {
-  std::vector<double> thresholds = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6};  ///< increasing
-  int most_edges = 16;  ///< of a node, the nearest
-  int most_of_run =
-      2;  ///< of these into one other run; into its own a node has none but the one that comes next
-  double plateau = 0.01;
+  /// Of the end of `from` and the start of `to`; 0 where one continues the other in its run.
+  double distance = 0.0;
 };
 
 struct ThresholdPoint {
@@ -30,7 +22,7 @@ struct ThresholdPoint {
 };
 
 struct MotionGraph {
-  /// The smallest whose share is within `plateau` of the largest share of all.
+  /// The smallest whose share is within 1 % of the largest share of all.
   double threshold = 0.0;
   std::vector<ThresholdPoint> curve;
   std::vector<GraphEdge> edges;          ///< at the threshold, by `from`, then by distance
@@ -42,9 +34,8 @@ struct MotionGraph {
   bool is_kept(Eigen::Index segment) const { return component[static_cast<std::size_t>(segment)] == 0; }
 };
 
-/// @throws ArgumentError for thresholds that do not increase from above 0, most_edges outside 1 to 24, or
-/// most_of_run below 1.
-MotionGraph motion_graph(const MotionDatabase& database, const GraphOptions& options = {});
+/// Every node leads to the 16 nearest at most, two of them in one other run, and to the one that comes next in its own.
+MotionGraph motion_graph(const MotionDatabase& database);
 
 /// Components of nodes 0 to nodes - 1 (R. Tarjan, SIAM J. Comput. 1, 1972), the largest first. Not by recursion: deep
 /// graphs do not overflow the stack.

@@ -20,6 +20,9 @@ namespace {
 
 using models::ModelInfo;
 
+/// Beyond it squares overflow soon, and no body that nearly floats comes close.
+constexpr double kMostWeights = 1e100;
+
 /// Where a model holds the numbers of a pose, then those of the velocities.
 std::vector<Eigen::Index> places_of(const ModelInfo& info, bool planar) {
   const auto layout = StateLayout::of(info);
@@ -325,6 +328,13 @@ GhostForce ghost_force(const models::ParametricModel& model, const PosePath& pat
   result.declared = empty_series(body.frames());
   for (Eigen::Index k = 0; k < body.frames(); ++k) put(body.ghost(k), k, result.declared);
   finish(result.declared);
+  if (!(result.declared.force_sizes.rms < kMostWeights && result.declared.torque_sizes.rms < kMostWeights)) {
+    throw ArgumentError(fmt::format(
+        "the path of {} frames in {:.3g} {} takes forces and torques of {:.0e} net weights or more, expected "
+        "times and lengths in the units that its columns name",
+        path.times.size(), path.times[path.times.size() - 1] - path.times[0],
+        models::time_unit(model.model().info()), kMostWeights));
+  }
   if (path.times.size() >= kFewestFrames) {
     result.noise = body.noise();
     constexpr double kMatters = 0.01;

@@ -20,8 +20,8 @@ using StencilMatrix = Eigen::Matrix<double, kStencil, 1>;
 const std::array<const char*, 3> kPlanarPose = {"x", "y", "theta"};
 const std::array<const char*, 7> kSpatialPose = {"x", "y", "z", "qw", "qx", "qy", "qz"};
 
-/// Weights of the first and the second derivative at 0 of the polynomial through nodes (B. Fornberg, Generation of finite
-/// difference formulas on arbitrarily spaced grids, Math. Comp. 51 (1988) 699-706).
+/// Weights of the first and the second derivative at 0 of the polynomial through nodes (B. Fornberg, Generation of
+/// finite difference formulas on arbitrarily spaced grids, Math. Comp. 51 (1988) 699-706).
 struct DerivativeWeights {
   StencilMatrix first, second;
 };
@@ -157,8 +157,9 @@ PosePath path_of(const identification::Capture& capture) {
     const Eigen::VectorXd& values = pose_values(capture, name);
     for (Eigen::Index frame = 0; frame < values.size(); ++frame) {
       if (std::isfinite(values[frame])) continue;
-      throw ArgumentError(fmt::format("{} was not seen in frame {} of \"{}\", expected it in all frames",
-                                      name, frame, capture.id));
+      identification::refuse(
+          capture.file, fmt::format("{} was not seen in frame {} of \"{}\", expected it in all frames", name,
+                                    frame, capture.id));
     }
     path.poses.col(k) = values;
   }

@@ -23,9 +23,28 @@ PatternClasses own_names() {
   return classes;
 }
 
+/// The rule's answer is one word.
+void require_one_word_each(const PatternClasses& classes) {
+  std::map<Pattern, std::string> words;
+  for (const auto& [word, patterns] : classes) {
+    for (const Pattern pattern : patterns) {
+      const auto [first, is_new] = words.try_emplace(pattern, word);
+      if (!is_new && first->second != word)
+        throw ArgumentError(fmt::format("the pattern {} is given to \"{}\" and to \"{}\", expected one word",
+                                        to_string(pattern), first->second, word));
+    }
+  }
+}
+
 /// Before or after a slash.
 bool is_part_of_id(const Capture& capture, const std::string& name) {
   return capture.id.ends_with("/" + name) || capture.id.starts_with(name + "/");
+}
+
+/// What is wrong with a segment is wrong with the line it came from, if it came from one.
+[[noreturn]] void refuse_segment(const LabelledSegment& segment, const std::string& sentence) {
+  if (segment.file.empty()) throw ArgumentError(sentence);
+  throw InputError(segment.file, segment.line, sentence);
 }
 
 const Capture& capture_of(const LabelledSegment& segment, const std::vector<Capture>& captures) {
@@ -36,14 +55,15 @@ const Capture& capture_of(const LabelledSegment& segment, const std::vector<Capt
   }
   if (fitting.size() == 1) return *fitting.front();
   if (fitting.size() > 1) {
-    throw ArgumentError(fmt::format("labels name the capture \"{}\", which may be \"{}\" or \"{}\"",
-                                    segment.capture, fitting[0]->id, fitting[1]->id));
+    refuse_segment(segment, fmt::format("labels name the capture \"{}\", which may be \"{}\" or \"{}\"",
+                                        segment.capture, fitting[0]->id, fitting[1]->id));
   }
   std::vector<std::string> known;
   for (const Capture& capture : captures) known.push_back(capture.id);
-  if (known.size() > 6) known.resize(6);
-  throw ArgumentError(fmt::format("labels name the capture \"{}\", which is not among those given{}",
-                                  segment.capture, suggestion(segment.capture, known)));
+  // One that is near is named whichever it is; only where none is, a few stand for all.
+  if (known.size() > 6 && nearest_name(segment.capture, known).empty()) known.resize(6);
+  refuse_segment(segment, fmt::format("labels name the capture \"{}\", which is not among those given{}",
+                                      segment.capture, suggestion(segment.capture, known)));
 }
 
 Eigen::Index frame_number(const io::DelimitedTable& table, std::size_t row, double value) {
@@ -68,6 +88,7 @@ PatternClasses pattern_classes(const std::vector<std::string>& texts) {
       from = plus + 1;
     }
   }
+  require_one_word_each(classes);
   return classes;
 }
 
@@ -83,8 +104,12 @@ std::vector<LabelledSegment> read_labelled_segments(const std::filesystem::path&
   std::vector<LabelledSegment> segments;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const auto k = static_cast<Eigen::Index>(row);
-    LabelledSegment segment = {captures[row], frame_number(table, row, first[k]),
-                               frame_number(table, row, last[k]), labels[row]};
+    LabelledSegment segment = {captures[row],
+                               frame_number(table, row, first[k]),
+                               frame_number(table, row, last[k]),
+                               labels[row],
+                               table.file(),
+                               table.line_of_row(row)};
     if (segment.last <= segment.first)
       throw table.error(row,
                         fmt::format("ends at frame {}, expected one after {}", segment.last, segment.first));
@@ -100,8 +125,8 @@ std::vector<LabelledSegment> read_labelled_segments(const std::filesystem::path&
 MotionRecord record_of(const LabelledSegment& segment, const std::vector<Capture>& captures, double length) {
   Capture capture = capture_of(segment, captures);
   if (segment.last >= capture.frame_count()) {
-    throw ArgumentError(fmt::format("a label of capture \"{}\" ends at frame {}, expected at most {}",
-                                    capture.id, segment.last, capture.frame_count() - 1));
+    refuse_segment(segment, fmt::format("a label of capture \"{}\" ends at frame {}, expected at most {}",
+                                        capture.id, segment.last, capture.frame_count() - 1));
   }
   const Eigen::Index count = segment.frame_count();
   capture.times = capture.times.segment(segment.first, count).eval();
@@ -123,6 +148,7 @@ PatternLabel label_of(const LabelledSegment& segment, const std::vector<Capture>
 
 SegmentAgreement compare(const std::vector<LabelledSegment>& segments, const std::vector<Capture>& captures,
                          const PatternClasses& classes, double length, const PatternThresholds& thresholds) {
+  require_one_word_each(classes);
   const PatternClasses words = classes.empty() ? own_names() : classes;
   SegmentAgreement result;
   for (const auto& [word, patterns] : words) result.words.push_back(word);
@@ -131,8 +157,8 @@ SegmentAgreement compare(const std::vector<LabelledSegment>& segments, const std
   const std::vector<std::string> known(result.words.begin(), result.words.end() - 1);
   for (const LabelledSegment& segment : segments) {
     if (!words.contains(segment.label))
-      throw ArgumentError(fmt::format("a label of capture \"{}\" is \"{}\", which stands for nothing{}",
-                                      segment.capture, segment.label, suggestion(segment.label, known)));
+      refuse_segment(segment, fmt::format("a label of capture \"{}\" is \"{}\", which stands for nothing{}",
+                                          segment.capture, segment.label, suggestion(segment.label, known)));
     const PatternLabel label = label_of(segment, captures, length, thresholds);
     int theirs = 0, ours = static_cast<int>(words.size()), k = 0;
     for (const auto& [word, patterns] : words) {

@@ -16,6 +16,8 @@ struct LabelledSegment {
   std::string capture;  ///< its id, or the part of it before or after a slash, if that is of one only
   Eigen::Index first = 0, last = 0;  ///< frames of the capture, from 0, both of the segment
   std::string label;                 ///< the person's word
+  std::string file = {};             ///< of labels that were read; empty if made in memory
+  int line = 0;                      ///< there
 
   Eigen::Index frame_count() const { return last - first + 1; }
 };
@@ -23,7 +25,8 @@ struct LabelledSegment {
 /// Which patterns a person's word stands for.
 using PatternClasses = std::map<std::string, std::vector<Pattern>>;
 
-/// "tumbling=autorotation", "3=steady+zigzag". @throws ArgumentError for another form, or an unknown pattern
+/// "tumbling=autorotation", "3=steady+zigzag". @throws ArgumentError for another form, an unknown pattern, or one that
+/// two words stand for
 PatternClasses pattern_classes(const std::vector<std::string>& texts);
 
 /// A table with the columns capture (or traj), first_frame, last_frame and label (or human).
@@ -41,8 +44,9 @@ struct SegmentAgreement {
 
 /// The rule on each segment by itself, without settling time.
 /// @param length m, of the body; 0: not known
-/// @throws ArgumentError for a segment of an unknown capture (the nearest is named), of several, or beyond its
-/// frames, and for a word that stands for nothing.
+/// @throws InputError with the line of a segment that was read, of others ArgumentError: for one of an
+/// unknown capture (the nearest is named), of several, or beyond its frames, and for a word that stands for
+/// nothing; as record_of() of a capture.
 SegmentAgreement compare(const std::vector<LabelledSegment>& segments,
                          const std::vector<identification::Capture>& captures,
                          const PatternClasses& classes = {}, double length = 0.0,
@@ -52,7 +56,7 @@ SegmentAgreement compare(const std::vector<LabelledSegment>& segments,
 PatternLabel label_of(const LabelledSegment& segment, const std::vector<identification::Capture>& captures,
                       double length = 0.0, const PatternThresholds& thresholds = {});
 
-/// The frames of a segment as a record. @throws ArgumentError as compare()
+/// The frames of a segment as a record. @throws as compare()
 MotionRecord record_of(const LabelledSegment& segment, const std::vector<identification::Capture>& captures,
                        double length = 0.0);
 

@@ -68,7 +68,7 @@ void judge_stretches(const PlannedFall& fall, const RealisedFall& real, Sequence
 SequenceOutcome outcome_of(const PlannedFall& fall, const RealisedFall& real) {
   const MotionSequence& sequence = *fall.plan().sequence;
   SequenceOutcome outcome;
-  double sum = 0.0;
+  double sum = 0.0, priced = 0.0;
   std::vector<int> past;
   const EventList list = events_of_motion(fall, real);
   for (std::size_t k = 1; k < list.events.size(); ++k) {
@@ -79,12 +79,14 @@ SequenceOutcome outcome_of(const PlannedFall& fall, const RealisedFall& real) {
     if (sequence.chain && segment.got) {
       const int kind = static_cast<int>(*segment.got);
       sum += std::log(sequence.chain->probability(past, kind));
+      priced += 1.0;
       past.push_back(kind);
     }
+    // As in chains, what is steady cuts a sequence.
+    if (!segment.got) past.clear();
     outcome.segments.push_back(segment);
   }
-  outcome.log_likelihood =
-      past.empty() ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(past.size());
+  outcome.log_likelihood = priced == 0.0 ? std::numeric_limits<double>::quiet_NaN() : sum / priced;
   if (sequence.is_of_patterns()) {
     judge_stretches(fall, real, outcome);
     return outcome;

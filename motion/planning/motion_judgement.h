@@ -1,5 +1,6 @@
 #pragma once
 
+#include "samara/motion/planning/fall_lanes.h"
 #include "samara/motion/planning/planner.h"
 
 namespace samara::motion {

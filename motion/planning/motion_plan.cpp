@@ -63,7 +63,9 @@ class PlanReader {
 
   void read_model() {
     try {
-      plan_.model = codebooks::open_model(root_.string("model"), folder());
+      const std::string model = root_.string("model");
+      plan_.model = codebooks::open_model(model, folder());
+      if (codebooks::is_model_file(model)) named(model);
       planar_ = MotionStates(plan_.model->info()).is_planar();
     } catch (const ArgumentError& error) {
       throw root_.error("model", error.what());
@@ -89,11 +91,6 @@ class PlanReader {
     throw table.error(key, fmt::format("is {}, expected at most {} in size", value, kLargestInput));
   }
 
-  static double positive(const TomlTable& table, const std::string& key, double value) {
-    if (value > 0.0 && value <= kLargestInput) return value;
-    throw table.error(key, fmt::format("is {}, expected more than 0 and at most {}", value, kLargestInput));
-  }
-
   void read_body() {
     const auto body = root_.optional_table("body");
     if (!body) return;
@@ -110,7 +107,7 @@ class PlanReader {
     const TomlTable release = root_.table("release");
     release.expect_keys(planar_ ? std::vector<std::string>{"height", "tilt"}
                                 : std::vector<std::string>{"height", "tilt", "axis"});
-    const double height = positive(release, "height", release.quantity("height", length_));
+    const double height = in_size(release, "height", release.positive("height", length_));
     set_initial(release, "height", planar_ ? "y(0)" : "z(0)", height);
     const auto tilt = release.optional_quantity("tilt", "1");
     if (!tilt && release.has("axis"))
@@ -239,7 +236,7 @@ class PlanReader {
     plan_.sketch = key == "file" ? read_sketch(named(path->string("file")), planar_, {length_, time_})
                                  : read_formula(*path, key);
     if (path->has("deviation"))
-      plan_.deviation = positive(*path, "deviation", path->quantity("deviation", length_));
+      plan_.deviation = in_size(*path, "deviation", path->positive("deviation", length_));
     const double height = plan_.fixed.at(planar_ ? "y(0)" : "z(0)");
     const double begins = plan_.sketch->top();
     const double tolerance = 2.0 * plan_.semi_length() + 0.02 * height;
@@ -277,6 +274,8 @@ class PlanReader {
     const auto sequence = root_.optional_table("sequence");
     if (!sequence) return;
     plan_.sequence = read_sequence(*sequence, folder(), plan_.database.get());
+    if (const auto chain = sequence->optional_string("chain"); chain && *chain != kChainOfSource)
+      named(*chain);
     if (plan_.sequence->segments.empty() || plan_.sequence->is_drawn()) return;
     const char* const key = plan_.sequence->is_of_patterns() ? "patterns" : "kinds";
     refuse(*sequence, key, require_patterns_in_box);
@@ -313,7 +312,7 @@ class PlanReader {
     if (!planar_) plan_.landing->y() = in_size(*landing, "y", landing->quantity("y", length_));
     if (!landing->has("deviation")) return;
     if (plan_.sketch) throw landing->error("deviation", "stands beside [path], expected it there");
-    plan_.deviation = positive(*landing, "deviation", landing->quantity("deviation", length_));
+    plan_.deviation = in_size(*landing, "deviation", landing->positive("deviation", length_));
   }
 
   static int count(const TomlTable& table, const std::string& key, std::int64_t least, std::int64_t most,
@@ -328,7 +327,7 @@ class PlanReader {
     if (root_.has("duration")) {
       if (plan_.duration)
         throw root_.error("duration", "stands beside a sketch with times, expected one of the two");
-      plan_.duration = positive(root_, "duration", root_.quantity("duration", time_));
+      plan_.duration = in_size(root_, "duration", root_.positive("duration", time_));
     }
     if (const auto turbulence = root_.optional_table("turbulence")) {
       turbulence->expect_keys({"intensity"});
@@ -358,8 +357,8 @@ class PlanReader {
     plan_.search.children = count(search, "children", 2, 4096, plan_.search.children);
     plan_.search.sweeps = count(search, "sweeps", 0, 100, plan_.search.sweeps);
     plan_.search.seed = static_cast<std::uint64_t>(count(search, "seed", 0, 2000000000, 1));
-    if (search.has("step")) plan_.search.step = positive(search, "step", search.quantity("step", time_));
-    if (search.has("ramp")) plan_.search.ramp = positive(search, "ramp", search.quantity("ramp", time_));
+    if (search.has("step")) plan_.search.step = in_size(search, "step", search.positive("step", time_));
+    if (search.has("ramp")) plan_.search.ramp = in_size(search, "ramp", search.positive("ramp", time_));
     if (plan_.search.ramp < plan_.search.step) {
       throw search.error(search.has("ramp") ? "ramp" : "step",
                          fmt::format("makes a ramp of {} in steps of {}, expected a ramp of one step or more",

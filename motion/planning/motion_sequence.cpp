@@ -28,7 +28,6 @@ struct NamedChain {
 };
 
 constexpr std::int64_t kMostSegments = 100'000;
-constexpr const char* kOfSource = "dissertation";  // a chain by this name is no file
 
 /// The falls of a database with one pattern, as sequences of kinds.
 std::vector<std::vector<int>> kinds_of_pattern(const MotionDatabase& database, Pattern pattern) {
@@ -47,6 +46,7 @@ std::vector<std::vector<int>> kinds_of_pattern(const MotionDatabase& database, P
 NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& file) {
   std::vector<std::vector<std::string>> words;
   bool is_of_places = true;
+  double steps = 0.0;
   for (const nlohmann::json& capture : answer.at("captures")) {
     words.emplace_back();
     is_of_places = is_of_places && !capture.value("attitude", true);
@@ -54,7 +54,13 @@ NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& fil
       const auto pattern = window.at("pattern").get<std::string>();
       if (pattern == "unresolved") continue;
       // Equal neighbours are merged there, and steps here.
-      for (int k = window.value("windows", 1); k > 0; --k) words.back().push_back(pattern);
+      const double count = window.value("windows", 1.0);
+      steps += count;
+      if (!(count >= 1.0) || count != std::floor(count) || !(steps <= kMostSegments))
+        throw InputError(file, fmt::format("a window of its captures counts for {}, expected whole numbers "
+                                           "from 1 on, and in all at most {}",
+                                           count, kMostSegments));
+      words.back().insert(words.back().end(), static_cast<std::size_t>(count), pattern);
     }
   }
   std::vector<std::string> symbols;
@@ -198,8 +204,8 @@ class SequenceReader {
       throw table_.error(
           "chain", "is missing, with kinds, patterns, and a database of the plan: expected one of them");
     const NamedChain named = !file ? NamedChain{event_kind_names(), kind_chain(*database_).chain}
-                             : *file == kOfSource ? source_chain_of_patterns()
-                                                  : read_chain(folder_ / *file);
+                             : *file == kChainOfSource ? source_chain_of_patterns()
+                                                       : read_chain(folder_ / *file);
     const bool is_kind = std::ranges::all_of(
         named.symbols, [](const std::string& symbol) { return contains(event_kind_names(), symbol); });
     sequence_.origin = file ? *file : "the database";
@@ -228,6 +234,11 @@ class SequenceReader {
     const std::int64_t events = is_kind ? 1 : table_.optional_integer("events").value_or(2);
     if (events < 1 || events > 1000)
       throw table_.error("events", fmt::format("is {}, expected 1 to 1000", events));
+    const std::int64_t all = events * static_cast<std::int64_t>(length);
+    if (all > kMostSegments)
+      throw table_.error(
+          "length", fmt::format("asks for {} segments, {} of each pattern, expected at most {}", all, events,
+                                kMostSegments));
     constexpr std::uint64_t kOfSequences = std::uint64_t{1} << 62;  // a stream that no search draws from
     Stream stream(*sequence_.seed, kOfSequences);
     bool has_ended = false;

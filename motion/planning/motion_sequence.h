@@ -21,6 +21,9 @@ class TomlTable;
 
 namespace samara::motion {
 
+/// A chain by this name is no file.
+inline constexpr const char* kChainOfSource = "dissertation";
+
 /// What a segment is asked to be: of a kind, or part of a stretch of a pattern.
 struct AskedSegment {
   std::optional<EventKind> kind = {};

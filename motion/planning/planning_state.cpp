@@ -1,5 +1,6 @@
 #include "samara/motion/planning/planning_state.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -45,6 +46,13 @@ struct NumberTape {
       throw file->error("/state", fmt::format("has {} for a whole number: the file is damaged", value));
     return static_cast<int>(value);
   }
+  /// Of anything that is counted.
+  long natural() {
+    const double value = next();
+    if (!(value >= 0.0 && value < 1e15) || value != std::floor(value))
+      throw file->error("/state", fmt::format("has {} for a count: the file is damaged", value));
+    return static_cast<long>(value);
+  }
 };
 
 /// One description of each struct for both ways: `put` and `take` differ in what `number` does.
@@ -70,8 +78,8 @@ class Taker {
   explicit Taker(NumberTape& tape) : tape_(tape) {}
   void number(double& value) { value = tape_.next(); }
   void number(int& value) { value = tape_.whole(); }
-  void number(long& value) { value = static_cast<long>(tape_.next()); }
-  void number(std::size_t& value) { value = static_cast<std::size_t>(tape_.whole()); }
+  void number(long& value) { value = tape_.natural(); }
+  void number(std::size_t& value) { value = static_cast<std::size_t>(tape_.natural()); }
   void flag(bool& value) { value = tape_.next() != 0.0; }
   template <class List>
   void size(List& list) {
@@ -189,11 +197,12 @@ void pass(Way& way, PlanningState& state) {
 /// FNV-1a over the bytes of numbers: databases are too large to be written down.
 class Digest {
  public:
+  void add(double value) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    for (int k = 0; k < 64; k += 8) hash_ = (hash_ ^ ((bits >> k) & 0xff)) * 0x100000001b3ULL;
+  }
   void add(const Eigen::Ref<const Eigen::MatrixXd>& values) {
-    for (const double value : values.reshaped()) {
-      const auto bits = std::bit_cast<std::uint64_t>(value);
-      for (int k = 0; k < 64; k += 8) hash_ = (hash_ ^ ((bits >> k) & 0xff)) * 0x100000001b3ULL;
-    }
+    for (const double value : values.reshaped()) add(value);
   }
   std::uint64_t value() const { return hash_; }
 
@@ -212,6 +221,42 @@ std::string sequence_text(const MotionSequence& sequence) {
     text += fmt::format("chain {} {}\n", sequence.chain->order(), digest.value());
   }
   return text;
+}
+
+/// A search looks into lists by the numbers of its points, which in a damaged file may be any.
+bool fits(const FallPoint& point, const MotionPlan& plan) {
+  const auto is_kind = [](int kind) { return kind >= 0 && kind < static_cast<int>(kEventKinds); };
+  return point.events >= 0 && point.state.size() == plan.model->info().states.size() &&
+         point.coefficients.size() == plan.box.size() && point.heading_for.size() == plan.box.size() &&
+         std::ssize(point.past) <= MarkovChain::kMostOrder && std::ranges::all_of(point.past, is_kind);
+}
+
+bool fits(const BeamState& beam, const MotionPlan& plan) {
+  if (beam.rounds.empty() || beam.rounds.size() != beam.ended.size()) return false;
+  for (std::size_t round = 0; round < beam.rounds.size(); ++round) {
+    // The first one has no parent.
+    const auto has_parent = [&](const BeamNode& node) {
+      return round == 0 || (node.parent >= 0 && node.parent < std::ssize(beam.rounds[round - 1]));
+    };
+    for (const auto* nodes : {&beam.rounds[round], &beam.ended[round]}) {
+      for (const BeamNode& node : *nodes)
+        if (!fits(node.point, plan) || node.target.size() != plan.box.size() || !has_parent(node))
+          return false;
+    }
+  }
+  return std::ranges::all_of(beam.finished, [&](const BeamState::Finished& one) {
+    if (one.round < 0 || one.round >= std::ssize(beam.rounds)) return false;
+    const auto round = static_cast<std::size_t>(one.round);
+    return one.index >= 0 && one.index < std::ssize(beam.rounds[round]) + std::ssize(beam.ended[round]);
+  });
+}
+
+bool fits(const RefiningState& refining, const MotionPlan& plan) {
+  const auto is_whole = [&](const CourseKnot& knot) {
+    return std::isfinite(knot.t) && std::isfinite(knot.ramp) && knot.values.size() == plan.box.size();
+  };
+  return refining.sweep >= 0 && fits(refining.best.end, plan) &&
+         std::ranges::all_of(refining.knots, is_whole) && std::ranges::all_of(refining.best.knots, is_whole);
 }
 
 /// By where it comes from and its box.
@@ -233,8 +278,8 @@ std::string identity_of(const MotionPlan& plan) {
   if (plan.sketch) {
     Digest digest;
     digest.add(plan.sketch->points());
-    text += fmt::format("sketch of {} points, {}, to {}\n", plan.sketch->points().rows(), digest.value(),
-                        plan.sketch->is_timed() ? plan.sketch->end_time() : 0.0);
+    digest.add(plan.sketch->times());
+    text += fmt::format("sketch of {} points, {}\n", plan.sketch->points().rows(), digest.value());
   }
   if (plan.landing) text += fmt::format("landing {} {}\n", plan.landing->x(), plan.landing->y());
   text += fmt::format("ground {} duration {} turbulence {}\n", plan.ground, plan.duration.value_or(0.0),
@@ -242,7 +287,15 @@ std::string identity_of(const MotionPlan& plan) {
   if (plan.database) {
     Digest digest;
     digest.add(plan.database->starts);
-    for (const MotionRun& run : plan.database->runs) digest.add(run.coefficients);
+    for (const MotionRun& run : plan.database->runs) {
+      digest.add(run.coefficients);
+      digest.add(static_cast<double>(run.pattern));
+    }
+    for (const MotionSegment& segment : plan.database->segments) {
+      digest.add(static_cast<double>(segment.run));
+      digest.add(static_cast<double>(segment.kind));
+      digest.add(segment.is_steady ? 1.0 : 0.0);
+    }
     text += fmt::format("database of {} segments, {}\n", plan.database->segment_count(), digest.value());
   }
   if (plan.codebook) text += codebook_text(*plan.codebook);
@@ -281,8 +334,8 @@ PlanningState load_state(const MotionPlan& plan, const std::filesystem::path& pa
   Taker way(tape);
   PlanningState state;
   pass(way, state);
-  if (tape.at != tape.numbers.size() || state.beam.rounds.empty() ||
-      state.beam.rounds.size() != state.beam.ended.size())
+  if (tape.at != tape.numbers.size() || !fits(state.beam, plan) ||
+      (state.refining && !fits(*state.refining, plan)))
     throw file.error("/state", "does not hold a search: the file is damaged");
   return state;
 }

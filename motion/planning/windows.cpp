@@ -71,7 +71,8 @@ bool Windows::run(std::size_t first, const FallPoint& from, double end, bool der
   double t = from.t;
   for (std::size_t k = first; k < last; ++k) {
     motion_.turn(knots_[k]);
-    const double until = k + 1 < last ? knots_[k + 1].t : end;
+    // The fall may be over before its last knots come.
+    const double until = k + 1 < last ? std::min(knots_[k + 1].t, end) : end;
     for (long left = steps_between(fall_, t, until); left > 0;) {
       const long now = std::min(left, every - step % every);
       if (!motion_.step(now)) return false;

@@ -88,16 +88,30 @@ double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, int order, int 
   return 1.4826 * *middle / std::sqrt(squares);
 }
 
+namespace {
+
+const identification::Channel& pose_channel(const Capture& capture, const std::string& quantity) {
+  try {
+    return capture.channel(quantity);
+  } catch (const ArgumentError& error) {
+    identification::refuse(capture.file, error.what());
+  }
+}
+
+}  // namespace
+
 const Eigen::VectorXd& pose_values(const Capture& capture, const std::string& quantity) {
-  const identification::Channel& channel = capture.channel(quantity);
+  const identification::Channel& channel = pose_channel(capture, quantity);
   if (channel.unit == "px") {
-    throw ArgumentError(fmt::format("capture \"{}\": {} is in pixels, expected a scale in its sidecar",
-                                    capture.id, quantity));
+    identification::refuse(capture.file,
+                           fmt::format("capture \"{}\": {} is in pixels, expected a scale in its sidecar",
+                                       capture.id, quantity));
   }
   const bool is_place = quantity == "x" || quantity == "y" || quantity == "z";
   if (!same_dimension(channel.unit, "1") && !(is_place && same_dimension(channel.unit, "m"))) {
-    throw ArgumentError(fmt::format("capture \"{}\": {} is in {}, expected {}", capture.id, quantity,
-                                    channel.unit, is_place ? "a length" : "an angle or a plain number"));
+    identification::refuse(capture.file,
+                           fmt::format("capture \"{}\": {} is in {}, expected {}", capture.id, quantity,
+                                       channel.unit, is_place ? "a length" : "an angle or a plain number"));
   }
   return channel.values;
 }
@@ -130,8 +144,9 @@ MotionRecord record_of(const Capture& capture, double length) {
   record.length = length;
   record.left_out = capture.frame_count() - record.frame_count();
   if (record.frame_count() < kFewestFrames) {
-    throw ArgumentError(fmt::format("capture \"{}\" has {} frames that were seen, expected at least {}",
-                                    capture.id, record.frame_count(), kFewestFrames));
+    identification::refuse(capture.file,
+                           fmt::format("capture \"{}\" has {} frames that were seen, expected at least {}",
+                                       capture.id, record.frame_count(), kFewestFrames));
   }
   if (has_angles) {
     // The plate looks the same after half a turn.

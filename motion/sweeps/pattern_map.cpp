@@ -32,6 +32,10 @@ std::vector<Eigen::Index> nearest_rows(const Eigen::MatrixXd& places, const Eige
 
 }  // namespace
 
+double room_beside(double lower, double upper) {
+  return 1e-9 * std::max({upper - lower, std::abs(lower), std::abs(upper)});
+}
+
 PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
   const Eigen::Index releases = sweep.release_count();
   if (release < 0 || release >= releases)
@@ -40,6 +44,7 @@ PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
   if (count <= kNeighbours)
     throw ArgumentError(fmt::format("the sweep has {} points, expected at least {}", count, kNeighbours + 1));
   lower_ = sweep.lower;
+  upper_ = sweep.upper;
   width_ = (sweep.upper - sweep.lower).unaryExpr([](double w) { return w > 0.0 ? w : 1.0; });
   places_ = (sweep.points.topRows(count).rowwise() - lower_.transpose()).array().rowwise() /
             width_.transpose().array();
@@ -65,14 +70,14 @@ Eigen::VectorXd PatternMap::scaled(const Eigen::VectorXd& point) const {
     throw ArgumentError(
         fmt::format("the point has {} coordinates, expected {}", point.size(), lower_.size()));
   }
-  Eigen::VectorXd place = (point - lower_).cwiseQuotient(width_);
-  for (Eigen::Index k = 0; k < place.size(); ++k) {
-    if (!(place[k] >= -1e-9 && place[k] <= 1.0 + 1e-9)) {
+  for (Eigen::Index k = 0; k < point.size(); ++k) {
+    const double room = room_beside(lower_[k], upper_[k]);
+    if (!(point[k] >= lower_[k] - room && point[k] <= upper_[k] + room)) {
       throw ArgumentError(fmt::format("coordinate {} of the point is {}, expected {} to {}: inside the box",
-                                      k, point[k], lower_[k], lower_[k] + width_[k]));
+                                      k, point[k], lower_[k], upper_[k]));
     }
   }
-  return place;
+  return (point - lower_).cwiseQuotient(width_);
 }
 
 std::vector<Eigen::Index> PatternMap::nearest(const Eigen::VectorXd& place, int count) const {
@@ -133,7 +138,7 @@ double PatternMap::left_one_out(const std::vector<Eigen::Index>& asked) const {
   const std::vector<Eigen::Index>& points = asked.empty() ? run_ : asked;
   const Eigen::MatrixXd places = places_(run_, Eigen::all);
   const Eigen::Index count = std::min<Eigen::Index>(kNeighbours + 1, places.rows());
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / kMost);
+  const std::size_t stride = std::max<std::size_t>(1, (points.size() + kMost - 1) / kMost);
   double right = 0.0, all = 0.0;
   for (std::size_t k = 0; k < points.size(); k += stride) {
     std::vector<Eigen::Index> around;
@@ -228,11 +233,16 @@ Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
   const std::vector<Eigen::Index> falls = falls_of(wanted);
   const auto pick = static_cast<std::size_t>(stream.uniform() * static_cast<double>(falls.size()));
   const Eigen::VectorXd place = places_.row(falls[pick]);
-  Eigen::VectorXd way(place.size());
-  for (double& one : way) one = stream.normal();
+  Eigen::VectorXd way = Eigen::VectorXd::Zero(place.size());
+  int moving = 0;
+  for (Eigen::Index k = 0; k < way.size(); ++k) {
+    if (!(upper_[k] > lower_[k])) continue;
+    way[k] = stream.normal();
+    ++moving;
+  }
   const double reach = 0.5 * std::min(1.0, distance_to_other(place, wanted));
   // Evenly in the ball.
-  const double radius = reach * std::pow(stream.uniform(), 1.0 / static_cast<double>(place.size()));
+  const double radius = reach * std::pow(stream.uniform(), 1.0 / moving);
   const Eigen::VectorXd moved =
       (place + radius / std::max(way.norm(), 1e-300) * way).cwiseMax(0.0).cwiseMin(1.0);
   return lower_ + moved.cwiseProduct(width_);
@@ -242,7 +252,7 @@ Eigen::VectorXd PatternMap::clamp(Pattern wanted, const Eigen::VectorXd& point) 
   if (!point.allFinite()) throw ArgumentError("a coordinate of the point is not finite");
   const std::vector<Eigen::Index> falls = falls_of(wanted);
   const Eigen::VectorXd place =
-      scaled(point.size() == lower_.size() ? point.cwiseMax(lower_).cwiseMin(lower_ + width_).eval() : point);
+      scaled(point.size() == lower_.size() ? point.cwiseMax(lower_).cwiseMin(upper_).eval() : point);
   const auto is_wanted = [&](const Eigen::VectorXd& there) {
     return answer(nearest(there, kNeighbours)).pattern == wanted;
   };

@@ -23,6 +23,9 @@ struct MapRegion {
   Eigen::Index falls = 0;
 };
 
+/// How far outside its ends a coordinate counts as inside: round-off, also of an axis of a single value.
+double room_beside(double lower, double upper);
+
 class PatternMap {
  public:
   /// Falls that are asked around a point.
@@ -71,8 +74,8 @@ class PatternMap {
   std::vector<Eigen::Index> falls_of(Pattern pattern) const;
   std::vector<std::vector<Eigen::Index>> neighbours() const;
 
-  Eigen::VectorXd lower_, width_;
-  Eigen::MatrixXd places_;  ///< points x coordinates, box of unit sides
+  Eigen::VectorXd lower_, upper_, width_;  ///< an axis of a single value is taken for one of width 1
+  Eigen::MatrixXd places_;                 ///< points x coordinates, box of unit sides
   std::vector<Pattern> patterns_;
   std::vector<Eigen::Index> run_;
   std::vector<Eigen::Index> grid_;          ///< points along each axis; empty: no grid

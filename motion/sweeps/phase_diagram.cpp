@@ -97,7 +97,7 @@ SharesAt shares_at(const Sweep& sweep, const Eigen::VectorXd& point) {
     throw ArgumentError(
         fmt::format("the point has {} coordinates, expected {}", point.size(), sweep.lower.size()));
   for (Eigen::Index k = 0; k < point.size(); ++k) {
-    const double room = 1e-9 * (sweep.upper[k] - sweep.lower[k]);
+    const double room = room_beside(sweep.lower[k], sweep.upper[k]);
     if (!(point[k] >= sweep.lower[k] - room && point[k] <= sweep.upper[k] + room))
       throw ArgumentError(fmt::format("{} is {}, expected {} to {}: inside the box of the sweep",
                                       sweep.names[static_cast<std::size_t>(k)], point[k], sweep.lower[k],

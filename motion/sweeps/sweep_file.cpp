@@ -254,7 +254,10 @@ Sweep load_sweep(const std::filesystem::path& path) {
   }
   const Eigen::MatrixXd releases = file.matrix("/releases", {.columns = 2});
   for (const auto& row : releases.rowwise()) sweep.releases.push_back({row[0], row[1]});
-  const Eigen::Index falls = file.shape("/labels").at(0);
+  const std::vector<Eigen::Index> labels = file.shape("/labels");
+  if (labels.size() != 1)
+    throw file.error("/labels", fmt::format("has {} dimensions, expected 1", labels.size()));
+  const Eigen::Index falls = labels.front();
   // A checkpoint has only begun.
   if (falls > sweep.points.rows() * sweep.release_count())
     throw file.error("/labels", "are more than points and releases");

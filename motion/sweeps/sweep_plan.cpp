@@ -54,8 +54,8 @@ std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
   }
 }
 
-void check_size(const TomlTable& table, const std::string& key, double value) {
-  if (std::abs(value) <= kLargestInput) return;
+double in_size(const TomlTable& table, const std::string& key, double value) {
+  if (std::abs(value) <= kLargestInput) return value;
   throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargestInput));
 }
 
@@ -69,7 +69,7 @@ SweepAxis read_axis(const TomlTable& axes, const std::string& key, const std::st
     if (sampled) throw axes.error(key, "is a list of values, expected from and to beside [sample]");
     if (axis.values.empty()) throw axes.error(key, "has no values, expected at least one");
     for (std::size_t k = 0; k < axis.values.size(); ++k) {
-      check_size(axes, key, axis.values[k]);
+      in_size(axes, key, axis.values[k]);
       if (k > 0 && !(axis.values[k] > axis.values[k - 1]))
         throw axes.error(key, fmt::format("has the value {} after {}, expected them to increase",
                                           axis.values[k], axis.values[k - 1]));
@@ -82,8 +82,8 @@ SweepAxis read_axis(const TomlTable& axes, const std::string& key, const std::st
   table.expect_keys({"from", "to", "count"});
   axis.lower = table.quantity("from", unit);
   axis.upper = table.quantity("to", unit);
-  check_size(table, "from", axis.lower);
-  check_size(table, "to", axis.upper);
+  in_size(table, "from", axis.lower);
+  in_size(table, "to", axis.upper);
   if (!(axis.lower < axis.upper))
     throw axes.error(key, fmt::format("goes from {} to {}, expected from < to", axis.lower, axis.upper));
   if (sampled) {
@@ -138,16 +138,11 @@ void read_releases(const TomlTable& root, SweepPlan& plan) {
     throw table->error("tilt", "or axis has no values, expected at least one");
   for (const double axis : axes) {
     for (const double tilt : tilts) {
-      check_size(*table, "tilt", tilt);
-      check_size(*table, "axis", axis);
+      in_size(*table, "tilt", tilt);
+      in_size(*table, "axis", axis);
       plan.releases.push_back({tilt, axis});
     }
   }
-}
-
-double positive(const TomlTable& table, const std::string& key, double value) {
-  if (value > 0.0 && value <= kLargestInput) return value;
-  throw table.error(key, fmt::format("is {}, expected more than 0 and at most {}", value, kLargestInput));
 }
 
 void read_run(const TomlTable& root, SweepPlan& plan) {
@@ -155,10 +150,9 @@ void read_run(const TomlTable& root, SweepPlan& plan) {
   run.expect_keys({"until", "step", "interval", "settle", "height", "keep", "spread"});
   const models::ModelInfo& info = plan.model->info();
   const std::string time = models::time_unit(info);
-  plan.until = positive(run, "until", run.quantity("until", time));
-  plan.step = positive(run, "step", run.quantity("step", time));
-  plan.interval =
-      positive(run, "interval", run.optional_quantity("interval", time).value_or(4.0 * plan.step));
+  plan.until = in_size(run, "until", run.positive("until", time));
+  plan.step = in_size(run, "step", run.positive("step", time));
+  plan.interval = in_size(run, "interval", run.optional_positive("interval", time).value_or(4.0 * plan.step));
   plan.settle = run.optional_quantity("settle", time).value_or(0.5 * plan.until);
   const double frames = std::floor((plan.until - plan.settle) / plan.interval * (1.0 + 1e-12));
   if (!(plan.settle >= 0.0) || frames < 2.0 * static_cast<double>(kFewestFrames)) {
@@ -176,7 +170,7 @@ void read_run(const TomlTable& root, SweepPlan& plan) {
                                 plan.until / plan.interval, kMostFrames));
   }
   const std::string length = MotionStates(info).is_planar() && time == "1" ? "1" : "m";
-  if (run.has("height")) plan.height = positive(run, "height", run.quantity("height", length));
+  if (run.has("height")) plan.height = in_size(run, "height", run.positive("height", length));
   plan.keep_trajectories = run.choice("keep", {"features", "trajectories"}) == "trajectories";
   plan.spread = run.optional_boolean("spread").value_or(false);
 }
@@ -219,13 +213,13 @@ void check_falls(const TomlTable& root, const SweepPlan& plan) {
     throw root.error("axes", fmt::format("take {:.8g} falls{}, expected at most {}", falls,
                                          plan.refine > 0 ? " when they are refined" : "", kMostFalls));
   }
-  if (plan.is_grid() && plan.refine_gain) {
+  if (plan.is_grid() && plan.refine > 0) {
     Eigen::Index points = 1;
     for (const SweepAxis& axis : plan.axes) points *= static_cast<Eigen::Index>(axis.values.size());
     if (points <= PatternMap::kNeighbours)
       throw root.table("refine").error(
-          "gain", fmt::format("stands beside a grid of {} points, expected at least {}", points,
-                              PatternMap::kNeighbours + 1));
+          "rounds", fmt::format("is {} of a grid of {} points, expected at least {} to be refined",
+                                plan.refine, points, PatternMap::kNeighbours + 1));
   }
   if (!plan.is_grid() && plan.refine > 0 && plan.sample <= PatternMap::kNeighbours) {
     throw root.table("sample").error("count", fmt::format("is {}, expected at least {} to be refined",
@@ -270,7 +264,7 @@ SweepPlan plan_of(const TomlTable& root, const std::string& text) {
   if (const auto fixed = root.optional_table("fixed")) {
     for (const std::string& key : fixed->keys()) {
       plan.fixed[key] = fixed->quantity(key, unit_of(*fixed, key, units));
-      check_size(*fixed, key, plan.fixed[key]);
+      in_size(*fixed, key, plan.fixed[key]);
     }
   }
   read_axes(root, units, plan);

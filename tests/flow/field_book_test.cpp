@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/book/provenance.h"
 #include "samara/codebooks/query/place_query.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/source/checkpoint.h"
@@ -183,6 +184,14 @@ TEST_CASE("flows on twice the cells that were found before an interruption are n
   std::filesystem::remove(finer_checkpoint(options.checkpoint));
 }
 
+TEST_CASE("twice the cells lie within those that they are compared with, whatever fractions the extent has") {
+  FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  plan.flow.extent = {.before = 1.63, .behind = 2.1, .side = 1.63};
+  const MacGrid coarse = grid_of(plan.flow), fine = grid_of(finer_plan(plan).flow);
+  for (std::size_t d = 0; d < 2; ++d) CHECK(fine.cells[d] == 2 * coarse.cells[d]);
+  CHECK((fine.origin - coarse.origin).norm() < 1e-12);
+}
+
 TEST_CASE("a book does not go on from the flows of another solver, and says so") {
   FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
   codebooks::BuildOptions options;
@@ -296,6 +305,20 @@ TEST_CASE("what is no flow of a codebook of fields is refused") {
   CHECK_THROWS_AS(flow_of(book, {{"angle_of_attack", 1.0}}, "book.h5"), OutsideBoxError);
   CHECK_THROWS_WITH(flow_of(book, {{"angle_of_attack", 0.1}, {"log10_reynolds", 3.0}}, "book.h5"),
                     Contains("log10_reynolds"));
+  CHECK_THROWS_WITH(flow_of(book, {{"angle_of_attack", 0.1}, {"node", 3.0}}, "book.h5"),
+                    "book.h5 has its flows at every node: expected no value of it");
+  // Plans of other flows than those that it holds.
+  const auto of_plan = [&](const std::string& from, const std::string& to) {
+    std::string text = kPlan;
+    text.replace(text.find(from), from.size(), to);
+    return codebooks::Codebook(book.model(), book.pieces(), book.build(), codebooks::made_now(text, 1.0));
+  };
+  const auto two = of_plan("[book]", "log10_reynolds = [1, 1.5]\n[book]");
+  CHECK_THROWS_WITH(flow_of(two, {{"angle_of_attack", 0.1}}, "book.h5"),
+                    Contains("has 1 coordinates beside those of places, expected 2"));
+  const auto wide = of_plan("side = 1.5", "side = 1e9");
+  CHECK_THROWS_WITH(flow_of(wide, {{"angle_of_attack", 0.1}}, "book.h5"),
+                    Contains("at most 1000 body lengths"));
   FlowPlan plan = built().plan;
   plan.box.clear();
   CHECK_THROWS_WITH(build_field_book(plan), Contains("needs a box"));

@@ -187,6 +187,20 @@ TEST_CASE("shedding whose swings scatter and do not grow is averaged on and on",
   }
 }
 
+TEST_CASE("means over the last periods are of the steps within them, by shares", "[flow]") {
+  std::vector<LoadRecord> history;
+  for (int s = 1; s <= 1000; ++s) history.push_back({.time = 0.02 * s, .step = 0.02, .drag = 0.02 * s});
+  for (const double period : {2.5, 0.05, 0.013}) {
+    const std::vector<PeriodMeans> periods = last_periods(history, period);
+    REQUIRE(std::ssize(periods) == std::lround(std::floor(10.0 / period)));
+    for (std::size_t p = 0; p < periods.size(); ++p) {
+      CHECK(periods[p].length == Approx(period));
+      const double middle = 20.0 - period * (static_cast<double>(periods.size() - p) - 0.5);
+      CHECK(std::abs(periods[p].drag - middle) < 0.021);
+    }
+  }
+}
+
 TEST_CASE("the error of a mean drag is Student's, and that of less than two periods is not known", "[flow]") {
   CHECK(std::isinf(mean_drag(with_drags({2.0})).half_width));
   const MeanWithError mean = mean_drag(with_drags({1.0, 2.0, 3.0}));

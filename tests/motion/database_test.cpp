@@ -263,6 +263,11 @@ TEST_CASE("a database comes back from its file, and what is no database is refus
   CHECK(again.events.mean_square_speed == database.events.mean_square_speed);
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   CHECK_FALSE(error_text<samara::InputError>([&] { load_database(path); }).empty());
+  MotionDatabase nowhere = database;
+  nowhere.settle = std::nan("");
+  save(nowhere, motion_graph(database), path);
+  CHECK(error_text<samara::InputError>([&] { load_database(path); }).find("the attribute settle of nan") !=
+        std::string::npos);
 
   const samara::models::ParametricModel other(samara::models::find_model("falling_plate_nd"),
                                               {{"beta", 0.0}, {"inertia_ratio", 1.4}}, {"C_T"});

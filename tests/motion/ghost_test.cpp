@@ -255,6 +255,10 @@ TEST_CASE("paths and boxes of which no ghost can be told are refused by name") {
                                                 {{"a", 1.0}, {"b", 1.0}, {"c", 1.0}, {"density", 2e3}}, {}),
                                 path),
                     Catch::Contains("in a plane"));
+  PosePath fast = path;
+  fast.times *= 1e-60;
+  CHECK_THROWS_WITH(ghost_force(plain, fast),
+                    Catch::Contains("1e+100 net weights or more") && Catch::Contains("frames in 3e-60"));
   path.poses(5, 2) = std::nan("");
   CHECK_THROWS_WITH(ghost_force(plain, path), Catch::Contains("frame 5"));
 }

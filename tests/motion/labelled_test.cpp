@@ -116,6 +116,19 @@ TEST_CASE("labels that do not fit the captures are refused in one sentence") {
   CHECK(compare({{"other/a", 0, 480, "zigzag"}}, twice).labels.size() == 1);
   CHECK(error_text<samara::ArgumentError>([] { pattern_classes({"1:zigzag"}); }).find("WORD=PATTERN") !=
         std::string::npos);
+  const std::string both = "the pattern zigzag is given to \"a\" and to \"b\", expected one word";
+  CHECK(error_text<samara::ArgumentError>([] { pattern_classes({"b=zigzag", "a=steady+zigzag"}); }) == both);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          compare({}, captures, {{"a", {Pattern::zigzag}}, {"b", {Pattern::zigzag}}});
+        }) == both);
+  std::vector<Capture> many(9, captures[0]);
+  for (std::size_t k = 0; k < many.size(); ++k) many[k].id = std::string(5, static_cast<char>('p' + k));
+  CHECK(error_text<samara::ArgumentError>([&] {
+          compare({{"xxxxy", 0, 100, "zigzag"}}, many);
+        }).find("did you mean \"xxxxx\"") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          compare({{"far", 0, 100, "zigzag"}}, many);
+        }).ends_with("known: ppppp, qqqqq, rrrrr, sssss, ttttt, uuuuu"));
 }
 
 TEST_CASE("on measured drops of paper the rule agrees with a person beyond chance") {

@@ -1,6 +1,7 @@
 // Maps of patterns: what lies where, refining, clamping, shares over releases.
 #include "samara/motion/sweeps/pattern_map.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include <catch2/catch.hpp>
@@ -252,6 +253,19 @@ TEST_CASE("a point is clamped to the part of a pattern, as near as the map has i
   CHECK((map.clamp(map.at(Eigen::Vector2d(0.8, 3.2)).pattern, Eigen::Vector2d(0.1, 9.0)) -
          Eigen::Vector2d(0.8, 3.2))
             .norm() < 1e-12);
+}
+
+TEST_CASE("an axis of a single value has no width: points are drawn, clamped and asked on it") {
+  const Sweep sweep = run_sweep(plates("", "C_R = [1.4, 3.14159]", "C_R = [3.14159]")).sweep;
+  const PatternMap map(sweep, 0);
+  samara::Stream stream(2, 0);
+  for (int k = 0; k < 10; ++k) CHECK(map.draw(map.pattern(0), stream)[1] == 3.14159);
+  CHECK(map.clamp(map.pattern(0), Eigen::Vector2d(0.8, 3.5))[1] == 3.14159);
+  CHECK_THROWS_WITH(map.at(Eigen::Vector2d(0.8, 3.5)),
+                    Catch::Matchers::Contains("expected 3.14159 to 3.14159"));
+  const Eigen::Vector2d beside(0.8, std::nextafter(3.14159, 4.0));
+  CHECK_NOTHROW(map.at(beside));
+  CHECK_NOTHROW(shares_at(sweep, beside));
 }
 
 TEST_CASE("shares of patterns are those of all releases, with intervals that hold what was not seen") {

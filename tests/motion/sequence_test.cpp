@@ -1,6 +1,10 @@
 /// Kinds and patterns that a fall is asked to have, what the search goes by, and that an interrupted one goes on.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <functional>
+#include <numbers>
 
 #include <catch2/catch.hpp>
 
@@ -9,8 +13,10 @@
 #include "samara/io/toml_document.h"
 #include "samara/models/laws/registry.h"
 #include "samara/motion/planning/fall_cost.h"
+#include "samara/motion/planning/motion_judgement.h"
 #include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/planner.h"
+#include "samara/motion/planning/planning_state.h"
 #include "samara/motion/planning/window_search.h"
 #include "samara/motion/planning/windows.h"
 
@@ -187,6 +193,10 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   refuses("weight = 0", "more than 0");
   refuses("events = 2", "expected none here");
   refuses("chain = \"" + film + "\"", "length");
+  refuses("chain = \"" + film + "\"\nlength = 60000", "asks for 120000 segments, 2 of each pattern");
+  const std::string endless = named_file("endless.json", R"({"schema": "samara-patterns/1", "captures": [
+          {"id": "a", "windows": [{"pattern": "zigzag", "windows": 2e9}]}]})");
+  refuses("chain = \"" + endless + "\"\nlength = 2", "a window of its captures counts for");
   refuses("chain = \"" + named_file("odd.json", "{}") + "\"\nlength = 2", "is no chain");
   refuses("chain = \"" + named_file("odd.json", R"({"schema": "samara-chain/1", "symbols": 3})") +
               "\"\nlength = 2",
@@ -361,6 +371,22 @@ TEST_CASE("the squares that a window sums up are the cost of the fall, at any co
   }
 }
 
+TEST_CASE("a window that looks past the end of a fall costs what the fall does") {
+  MotionPlan plan = sequence_plan(15.0);
+  plan.sketch = slanted_sketch(15.0);
+  const PlannedFall fall(plan);
+  std::vector<CourseKnot> knots(4);
+  for (std::size_t k = 0; k < knots.size(); ++k)
+    knots[k] = {.t = 3.0 * static_cast<double>(k), .values = fall.natural(), .ramp = plan.search.ramp};
+  std::vector<CourseKnot> more = knots;
+  for (const double t : {100.0, 103.0}) more.push_back({.t = t, .values = fall.natural(), .ramp = 1.0});
+  const auto cost = [&](std::vector<CourseKnot>& of) {
+    const ReplayedFall replayed = replay(fall, fall.release(), of);
+    return Windows(fall, of).look(0, replayed, false).cost;
+  };
+  CHECK(cost(more) == Approx(cost(knots)).epsilon(0.02));
+}
+
 TEST_CASE("windows find the landing that the search has missed") {
   MotionPlan plan = sequence_plan(20.0);
   plan.landing = Eigen::Vector3d(2.0, 0.0, 0.0);
@@ -383,9 +409,11 @@ TEST_CASE("a search that is interrupted again and again comes to the same motion
   int interruptions = 0;
   MotionResult parts;
   do {
+    // Later and later: on a slow machine a step may take longer than a few reports, and nothing be kept.
     int calls = 0;
+    const int most = 4 + interruptions / 10;
     parts = plan_motion(
-        plan, {.progress = [&](const samara::Progress&) { return ++calls < 4; }, .checkpoint = part});
+        plan, {.progress = [&](const samara::Progress&) { return ++calls < most; }, .checkpoint = part});
     if (parts.status == MotionStatus::cancelled && interruptions++ == 0) {
       MotionPlan other = plan;
       other.search.seed = 2;
@@ -404,6 +432,141 @@ TEST_CASE("a search that is interrupted again and again comes to the same motion
     CHECK(parts.history[k].cost == whole.history[k].cost);
     CHECK(parts.history[k].pieces == whole.history[k].pieces);
   }
+}
+
+TEST_CASE("the identity of a plan changes with the times of its sketch and the kinds of its database") {
+  MotionPlan plan = sequence_plan();
+  const Eigen::MatrixX3d points = Eigen::MatrixX3d::Zero(3, 3);
+  plan.sketch = Sketch(points, Eigen::Vector3d(0.0, 1.0, 3.0));
+  auto database = std::make_shared<MotionDatabase>(*plate_motions());
+  plan.database = database;
+  std::vector<std::string> texts = {identity_of(plan)};
+  plan.sketch = Sketch(points, Eigen::Vector3d(0.0, 2.0, 3.0));
+  texts.push_back(identity_of(plan));
+  Pattern& pattern = database->runs.front().pattern;
+  pattern = pattern == Pattern::zigzag ? Pattern::spiral : Pattern::zigzag;
+  texts.push_back(identity_of(plan));
+  EventKind& kind = database->segments.front().kind;
+  kind = kind == EventKind::turn_plus ? EventKind::turn_minus : EventKind::turn_plus;
+  texts.push_back(identity_of(plan));
+  database->segments.front().is_steady = !database->segments.front().is_steady;
+  texts.push_back(identity_of(plan));
+  std::ranges::sort(texts);
+  CHECK(std::ranges::adjacent_find(texts) == texts.end());
+}
+
+TEST_CASE("a checkpoint whose numbers lead out of its lists is damaged") {
+  const MotionPlan plan = sequence_plan();
+  const PlannedFall fall(plan);
+  const auto part = std::filesystem::temp_directory_path() / "samara_damaged_planning.part";
+  PlanningState whole;
+  whole.beam = BeamState::from(fall.release());
+  whole.beam.rounds.push_back(whole.beam.rounds.front());
+  whole.beam.rounds[1][0].parent = 0;
+  whole.beam.ended.resize(2);
+  whole.beam.finished = {{.round = 1, .index = 0, .cost = 1.0}};
+  whole.refining.emplace();
+  whole.refining->best.end = fall.release();
+  whole.refining->knots = {{.t = 0.0, .values = fall.natural(), .ramp = 1.0}};
+  const auto loaded = [&](const std::function<void(PlanningState&)>& change) {
+    PlanningState state = whole;
+    change(state);
+    save_state(state, plan, part);
+    return load_state(plan, part);
+  };
+  CHECK(loaded([](PlanningState&) {}).beam.rounds.size() == 2);
+  const std::vector<std::function<void(PlanningState&)>> changes = {
+      [](PlanningState& state) { state.beam.rounds[1][0].parent = 1; },
+      [](PlanningState& state) { state.beam.rounds[1][0].parent = -1; },
+      [](PlanningState& state) { state.beam.finished[0].index = 1; },
+      [](PlanningState& state) { state.beam.finished[0].round = 2; },
+      [](PlanningState& state) { state.beam.rounds[1][0].target.pop_back(); },
+      [](PlanningState& state) { state.beam.rounds[0][0].point.state.pop_back(); },
+      [](PlanningState& state) { state.beam.rounds[0][0].point.heading_for.clear(); },
+      [](PlanningState& state) { state.beam.rounds[0][0].point.past = {4}; },
+      [](PlanningState& state) { state.refining->best.end.coefficients.clear(); },
+      [](PlanningState& state) { state.refining->knots[0].values.clear(); },
+      [](PlanningState& state) { state.refining->sweep = -1; },
+  };
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    INFO(k);
+    CHECK_THROWS_WITH(loaded(changes[k]), Catch::Contains("does not hold a search"));
+  }
+  std::filesystem::remove(part);
+}
+
+TEST_CASE("a steady stretch cuts what a motion is priced by, as it cuts the sequences of chains") {
+  MotionPlan plan = sequence_plan();
+  const std::string zigzags =
+      named_file("alternating.json",
+                 R"({"schema": "samara-chain/1", "counts": [[0, 90, 0, 0], [90, 0, 0, 0],
+          [45, 45, 0, 0], [45, 45, 0, 0]], "symbols": ["swing-", "swing+", "turn-", "turn+"]})");
+  plan.sequence = read_text("chain = \"" + zigzags + "\"", nullptr);
+  const PlannedFall fall(plan);
+  // Swings every 5 a/U, with none of them from 15 to 35.
+  RealisedFall real;
+  real.times = Eigen::VectorXd::LinSpaced(3001, 0.0, 60.0);
+  const auto& states = plan.model->info().states;
+  real.states = Eigen::MatrixXd::Zero(real.times.size(), std::ssize(states));
+  const auto column = [&](const char* name) {
+    return real.states.col(std::ranges::find(states, name, &samara::models::StateInfo::name) -
+                           states.begin());
+  };
+  for (Eigen::Index k = 0; k < real.times.size(); ++k) {
+    const double t = real.times[k], phase = 0.4 * std::numbers::pi * t;
+    column("vx")[k] = t > 15.0 && t < 35.0 ? 1.0 : 1.0 + 0.3 * std::sin(phase);
+    column("theta")[k] = 0.5 * std::sin(0.5 * phase);
+  }
+  MotionResult result;
+  judge_motion(fall, real, result);
+  double sum = 0.0, priced = 0.0;
+  int cuts = 0;
+  std::vector<int> past;
+  const EventList list = events_of_motion(fall, real);
+  for (std::size_t k = 1; k < list.events.size(); ++k) {
+    const int kind = static_cast<int>(list.events[k].kind);
+    if (list.events[k].is_steady) {
+      cuts += past.empty() ? 0 : 1;
+      past.clear();
+      continue;
+    }
+    sum += std::log(plan.sequence->chain->probability(past, kind));
+    priced += 1.0;
+    past.push_back(kind);
+  }
+  REQUIRE(cuts == 1);
+  REQUIRE(past.size() > 1);
+  CHECK(result.sequence->log_likelihood == Approx(sum / priced));
+}
+
+TEST_CASE("a plan names all files that it reads, its model and its chain as well") {
+  const auto folder = std::filesystem::temp_directory_path();
+  const std::string model = named_file("sinker.toml", R"(name = "sinker"
+[states]
+x = { initial = 0 }
+y = { initial = 0 }
+theta = { initial = 0 }
+vx = { initial = 0 }
+vy = { initial = 0 }
+w = { initial = 0 }
+[parameters]
+C_T = { default = 1 }
+[rates]
+x = "vx"
+y = "vy"
+theta = "w"
+vx = "-C_T*vx"
+vy = "-1 - C_T*vy"
+w = "-C_T*w"
+)");
+  const std::string chain =
+      named_file("sinker.json", R"({"schema": "samara-chain/1", "counts": [[0, 9], [9, 0]],
+          "symbols": ["turn+", "swing-"]})");
+  const MotionPlan plan =
+      parse_motion_plan("model = \"" + model + "\"\n[release]\nheight = 20\n[box]\n" +
+                            "C_T = [0.8, 1.4]\n[sequence]\nlength = 3\nchain = \"" + chain + "\"\n",
+                        (folder / "motion.toml").string());
+  CHECK(plan.files == std::vector<std::string>{(folder / model).string(), (folder / chain).string()});
 }
 
 TEST_CASE("bodies that do not come down, and databases of others, are refused before the search") {

@@ -258,8 +258,11 @@ TEST_CASE("plans of sweeps that cannot be meant are refused with their line") {
                  "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]",
                  "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
         }).find("expected at least 8") != std::string::npos);
+  CHECK(error_text<samara::InputError>([] {
+          plates("[refine]\nrounds = 1\n", "count = 9", "count = 3");
+        }).find("rounds: is 1 of a grid of 6 points, expected at least 8") != std::string::npos);
   CHECK(refusal("step = 0.05", "step = 0.05\ninterval = 1e-5").find("frames") != std::string::npos);
-  CHECK(refusal("step = 0.05", "step = 0").find("is 0, expected more than 0") != std::string::npos);
+  CHECK(refusal("step = 0.05", "step = 0").find("is 0; more than 0 was expected") != std::string::npos);
   CHECK(refusal("falling_plate_nd", "vertical_fall").find("its motions have no patterns") !=
         std::string::npos);
   CHECK(refusal("beta = 0", "beta = 0\ntheta(0) = 1").find("sweep.toml:") == 0);
