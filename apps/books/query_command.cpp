@@ -86,7 +86,6 @@ Answers batch_answer(codebooks::Query query, const QueryPoints& points, bool gra
 void write_csv(const std::string& path, const Labels& outputs, const QueryPoints& points,
                const Answers& table, bool gradient) {
   const Coordinates& coordinates = points.coordinates;
-  if (table.array().isInf().any()) throw ArgumentError("an answer is infinite, which a table cannot hold");
   std::vector<std::string> header;
   for (const codebooks::Coordinate& c : coordinates) header.push_back(fmt::format("{}[{}]", c.name, c.unit));
   for (const pgd::OutputLabel& o : outputs) header.push_back(fmt::format("{}[{}]", o.name, o.unit));
@@ -141,8 +140,28 @@ Json values_json(const Codebook& book, const Labels& outputs, const QueryPoints&
   return object;
 }
 
-void write(const QueryArguments& arguments, const Codebook& book, const Labels& outputs,
-           const QueryPoints& points, const Answers& table) {
+/// There are no derivatives by its values.
+bool is_list(const Codebook& book, const codebooks::Coordinate& coordinate) {
+  const std::vector<pgd::Axis> axes = book.pieces().front().outline().axes;
+  const auto axis = std::ranges::find(axes, coordinate.name, &pgd::Axis::name);
+  return axis != axes.end() && axis->is_list();
+}
+
+/// @param rows which have answers: the first ones
+/// @return the exit code
+int write(const QueryArguments& arguments, const Codebook& book, const Labels& outputs,
+          const QueryPoints& points, Answers table, Eigen::Index rows) {
+  bool all_numbers = true;
+  Eigen::Index column = 0;
+  for (const pgd::OutputLabel& o : outputs)
+    all_numbers &= keep_numbers(o.name, table.col(column++).head(rows));
+  for (std::size_t k = 0; column < table.cols(); ++k, ++column) {
+    const codebooks::Coordinate& c = points.coordinates[k % points.coordinates.size()];
+    if (is_list(book, c)) continue;
+    const std::string& output = outputs[k / points.coordinates.size()].name;
+    all_numbers &=
+        keep_numbers(fmt::format("the derivative of {} by {}", output, c.name), table.col(column).head(rows));
+  }
   if (arguments.json) {
     const bool composed = !arguments.until.empty();
     write_answer(arguments.output,
@@ -150,6 +169,7 @@ void write(const QueryArguments& arguments, const Codebook& book, const Labels& 
   } else {
     write_csv(arguments.output, outputs, points, table, arguments.gradient);
   }
+  return all_numbers ? kDone : kToleranceMissed;
 }
 
 std::optional<Codebook> second_of(const QueryArguments& arguments) {
@@ -173,8 +193,9 @@ int run_composed(const QueryArguments& arguments, const Codebook& book) {
   Labels outputs;
   for (const models::FamilyOutput& output : family->info().outputs)
     outputs.push_back({output.name, output.unit});
-  write(arguments, book, outputs, points, result.values);
-  if (result.outcome) return kDone;
+  const Eigen::Index rows = result.outcome ? times.size() : (times.array() <= result.outcome.reached).count();
+  const int code = write(arguments, book, outputs, points, result.values, rows);
+  if (result.outcome) return code;
   warn(fmt::format("{}; values after t = {:.6g} are empty", result.outcome.message, result.outcome.reached));
   return kOutsideBox;
 }
@@ -237,12 +258,11 @@ int run_query(const QueryArguments& arguments) {
   const Labels outputs = query.outputs();
   const Eigen::Index count = std::ssize(outputs);
   const bool at_once = points.table && !points.of_places && count == book.output_count();  // none is derived
-  const Answers table = at_once ? batch_answer(codebooks::Query(book), points, arguments.gradient)
-                        : points.of_places
-                            ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
-                            : answer(std::move(query), count, points, arguments.gradient);
-  write(arguments, book, outputs, points, table);
-  return kDone;
+  Answers table = at_once            ? batch_answer(codebooks::Query(book), points, arguments.gradient)
+                  : points.of_places ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
+                                     : answer(std::move(query), count, points, arguments.gradient);
+  const Eigen::Index rows = table.rows();
+  return write(arguments, book, outputs, points, std::move(table), rows);
 }
 
 }  // namespace

@@ -67,7 +67,9 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
   options.checkpoint = checkpoint_of(arguments);
   options.resume = !arguments.fresh;
   if (arguments.fresh) {
-    flow::check_case(plan.flow, plan.max_memory);  // no plan that is refused takes hours of another with it
+    // No plan that is refused takes hours of another with it.
+    flow::check_case(plan.flow, plan.max_memory);
+    if (plan.flow.motion) flow::check_path(plan.flow, options);
     std::error_code ignored;
     fs::remove(options.checkpoint, ignored);
   }
@@ -138,7 +140,13 @@ int run_flow(const FlowArguments& arguments) {
   const flow::FlowPlan plan = flow::read_flow_plan(
       arguments.plan, [](const std::string& path) { return models::read_mesh(path, 1.0); });
   const io::FileLock lock(arguments.output + ".lock", fmt::format("computes {}", arguments.output));
-  if (!plan.box.empty()) return build_book(arguments, plan);
+  if (!plan.box.empty()) {
+    if (flow::is_flow_file(arguments.output))
+      throw ArgumentError(
+          fmt::format("the output \"{}\" is a flow, and a codebook would be written: it would be lost",
+                      arguments.output));
+    return build_book(arguments, plan);
+  }
   std::error_code ignored;
   if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output))
     throw ArgumentError(fmt::format(

@@ -270,13 +270,18 @@ int run_simulate(const SimulateArguments& arguments) {
 
   Table table = output_table(info, family->info().outputs, times, trajectory.values);
   if (arguments.forces) table = beside(table, force_table(parametric, times, trajectory.values));
-  write_answer(arguments.output,
-               arguments.cloud.json
-                   ? trajectory_json(arguments.model, table, trajectory.outcome.message).dump() + "\n"
-                   : io::format_csv(table.header, table.rows));
-  if (trajectory.outcome) return kDone;
-  warn(fmt::format("{}; rows after t = {:.6g} are empty", trajectory.outcome.message,
-                   trajectory.outcome.reached));
+  const models::TrajectoryOutcome& outcome = trajectory.outcome;
+  const Eigen::Index rows = outcome ? times.size() : (times.array() <= outcome.reached).count();
+  bool all_numbers = true;
+  for (Eigen::Index c = 0; c < table.rows.cols(); ++c) {
+    const std::string& header = table.header[static_cast<std::size_t>(c)];
+    all_numbers &= keep_numbers(header.substr(0, header.rfind('[')), table.rows.col(c).head(rows));
+  }
+  write_answer(arguments.output, arguments.cloud.json
+                                     ? trajectory_json(arguments.model, table, outcome.message).dump() + "\n"
+                                     : io::format_csv(table.header, table.rows));
+  if (outcome) return all_numbers ? kDone : kToleranceMissed;
+  warn(fmt::format("{}; rows after t = {:.6g} are empty", outcome.message, outcome.reached));
   return kToleranceMissed;
 }
 

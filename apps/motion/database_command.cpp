@@ -44,7 +44,15 @@ int run_database(const DatabaseArguments& arguments) {
   check_output(arguments.output, {arguments.sweep});
   check_target(arguments.output);
   const motion::Sweep sweep = motion::load_sweep(arguments.sweep);
-  const motion::MotionDatabase database = motion::build_database(sweep, {.progress = progress_line()});
+  motion::MotionDatabase database;
+  try {
+    database = motion::build_database(sweep, {.progress = progress_line()});
+  } catch (const NoResultError& error) {
+    if (!is_interrupted()) throw;
+    clear_progress();
+    warn(error.what());
+    return kInterrupted;
+  }
   clear_progress();
   const motion::MotionGraph graph = motion::motion_graph(database);
   save(database, graph, arguments.output);

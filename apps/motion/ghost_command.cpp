@@ -37,11 +37,7 @@ motion::PosePath path_of_file(const std::string& file) {
   if (captures.size() != 1) {
     throw InputError(file, fmt::format("holds {} motions, expected one", captures.size()));
   }
-  try {
-    return motion::path_of(captures.front());
-  } catch (const ArgumentError& error) {
-    throw InputError(file, error.what());
-  }
+  return motion::path_of(captures.front());
 }
 
 motion::GhostOptions box_of(const GhostArguments& arguments,

@@ -96,6 +96,8 @@ void check_point_words(const PatternsArguments& arguments) {
     throw ArgumentError("--set is of the point that --clamp moves, and --draw was given: none was expected");
   if (asks_for_points(arguments) && !arguments.report.empty())
     throw ArgumentError("--report is of the whole sweep: neither --draw nor --clamp was expected with it");
+  if (asks_for_points(arguments) && arguments.clusters)
+    throw ArgumentError("--clusters is of the whole sweep: neither --draw nor --clamp was expected with it");
 }
 
 int points_of_map(const PatternsArguments& arguments, const motion::Sweep& sweep) {

@@ -17,8 +17,8 @@ struct PatternsArguments {
   std::string body;                  ///< model of the body of captures; empty: not known
   std::vector<std::string> set;      ///< values of its parameters; of a sweep those of the point to clamp
   std::vector<std::string> thresholds;
-  std::string report;  ///< page to write; empty: none
-  int clusters = 4;
+  std::string report;           ///< page to write; empty: none
+  std::optional<int> clusters;  ///< of a sweep
   /// Of a sweep: the pattern that points are to lead to; empty: a report is asked for.
   std::string draw, clamp;
   std::optional<long> count, release;

@@ -152,7 +152,7 @@ int patterns_of_captures(const PatternsArguments& arguments) {
     try {
       motions.push_back({capture.id, record, motion::label_windows(record, {}, thresholds)});
     } catch (const ArgumentError& error) {
-      throw ArgumentError(fmt::format("capture \"{}\": {}", capture.id, error.what()));
+      identification::refuse(capture.file, fmt::format("capture \"{}\": {}", capture.id, error.what()));
     }
     sequences.emplace_back();
     for (const motion::LabelledWindow& window : motions.back().windows)
@@ -186,8 +186,8 @@ int patterns_of_captures(const PatternsArguments& arguments) {
 }
 
 int run_patterns(const PatternsArguments& arguments) {
-  if (arguments.clusters < 1 || arguments.clusters > 100)
-    throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", arguments.clusters));
+  if (arguments.clusters && (*arguments.clusters < 1 || *arguments.clusters > 100))
+    throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", *arguments.clusters));
   // What is called a sweep is read as one, so that a damaged one is refused for what it is.
   const auto is_sweep = [](const std::filesystem::path& path) {
     return path.extension() == ".h5" || motion::is_sweep(path);
@@ -210,6 +210,7 @@ int run_patterns(const PatternsArguments& arguments) {
   if (sweep != arguments.inputs.end()) return patterns_of_sweep(arguments);
   if (asks_for_points(arguments))
     throw ArgumentError("--draw and --clamp ask the map of a sweep, and the inputs are captures");
+  if (arguments.clusters) throw ArgumentError("--clusters is of sweeps, and the inputs are captures");
   return patterns_of_captures(arguments);
 }
 
@@ -222,7 +223,7 @@ void add_patterns(CLI::App& app, Arguments& arguments) {
       "of a sweep: counts, map, clusters, landing; of captures: labels window by window, transitions");
   command->add_option("INPUTS", values->inputs, "one sweep (HDF5), or captures: tables, sidecars")
       ->required();
-  command->add_option("--clusters", values->clusters, "of a sweep, beside the rule")->capture_default_str();
+  command->add_option("--clusters", values->clusters, "of a sweep, beside the rule, 4");
   command->add_option("--sidecar", values->sidecar, "of every table; default: those beside them");
   command->add_option("--length", values->length, "of the body, m or with a unit: \"7 cm\"");
   command->add_option(

@@ -202,17 +202,17 @@ int patterns_of_sweep(const PatternsArguments& arguments) {
   std::string text = sweep_counts(sweep) + shares_text(sweep);
   if (sweep.release_count() > 1) object["points_of_one_pattern"] = share_of_one_pattern(sweep);
   const auto answer = [&] { write_answer(arguments.output, arguments.json ? object.dump() + "\n" : text); };
-  if (sweep.fall_count() / sweep.release_count() <=
-      std::max(motion::PatternMap::kNeighbours, arguments.clusters)) {
+  const int clusters = arguments.clusters.value_or(4);
+  if (sweep.fall_count() / sweep.release_count() <= std::max(motion::PatternMap::kNeighbours, clusters)) {
     narrate("so few points have no map and no clusters");
     answer();
     return kDone;
   }
   for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
     if (arguments.json) {
-      object["releases"][static_cast<std::size_t>(r)].update(release_json(sweep, r, arguments.clusters));
+      object["releases"][static_cast<std::size_t>(r)].update(release_json(sweep, r, clusters));
     } else {
-      text += release_report(sweep, r, arguments.clusters);
+      text += release_report(sweep, r, clusters);
     }
   }
   answer();

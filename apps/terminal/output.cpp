@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -157,6 +158,18 @@ void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string
   } else if (!book.certificate()->met) {
     warn(fmt::format("{} missed its tolerance: {}", path, miss_of(book)));
   }
+}
+
+bool keep_numbers(const std::string& name, Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>> values) {
+  Eigen::Index missing = 0;
+  for (double& value : values) {
+    if (std::isfinite(value)) continue;
+    value = std::numeric_limits<double>::quiet_NaN();
+    ++missing;
+  }
+  if (missing == 0) return true;
+  warn(fmt::format("{} is no number in {} of {} rows, which are left empty", name, missing, values.size()));
+  return false;
 }
 
 Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
 #include "samara/codebooks/book/certificate.h"
@@ -28,7 +29,7 @@ void check_output(const std::string& path, const std::vector<std::string>& input
 /// @throws ArgumentError where two name the same file.
 void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written);
 /// Of a file that is of one kind whatever its name is: `fall.png` must not hold a picture in SVG.
-/// Capitals do not matter, and an ending is letters, and digits behind them: that of `run_0.2` is none.
+/// Capitals do not matter, and an ending is letters, and digits after them: that of `run_0.2` is none.
 /// @param option that names the file, such as "--report"
 /// @throws ArgumentError for a name with another ending; names without one, as those of streams, are taken
 void check_ending(const std::string& option, const std::string& path, const std::string& ending);
@@ -42,6 +43,11 @@ void write_answer(const std::string& path, const std::string& text);
 void write_readable(const std::string& path, const std::string& text);
 /// Of a command whose result is a file: with --json, which file and how large, as one object (schema samara-file/1).
 void tell_of_file(const std::string& path, bool json);
+
+/// Of a column of an answer: what is no number (a model may derive the root of a negative one) becomes NaN, which is an
+/// empty cell of a table and null in JSON, and a warning says of what and how often.
+/// @return whether all were numbers
+bool keep_numbers(const std::string& name, Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>> values);
 
 Json to_json(const codebooks::Certificate& certificate, const codebooks::Codebook& book);
 /// The certificate as a readable table.

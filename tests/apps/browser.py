@@ -89,7 +89,7 @@ class Browser:
                 return answer["result"]
 
     def open(self, path, hash=""):
-        # A page of another address is loaded anew; one that differs behind "#" would not be.
+        # A page of another address is loaded anew; one that differs after "#" would not be.
         self.call("Page.navigate", url="about:blank")
         self.call("Page.navigate", url=pathlib.Path(path).as_uri() + hash)
         self.until("document.readyState === 'complete'")

@@ -241,7 +241,7 @@ class Options(Case):
         shown = re.search(r"(?m)^C_D +([\d.]+) - +- +([\d.]+) ", fitted.stdout)  # of one cluster: the naive error
         self.assertIsNotNone(shown, fitted.stdout)
         self.assertNotRegex(fitted.stdout, r"(?m)^C_D +[\d.]+ 1 ")  # a unit "1"
-        # No digit of the value stands behind the last one of its error.
+        # No digit of the value stands after the last one of its error.
         decimals = [len(text.partition(".")[2]) for text in shown.groups()]
         self.assertLessEqual(decimals[0], decimals[1], fitted.stdout)
         self.assertAlmostEqual(float(shown[1]), answer["value"], delta=0.51 * 10.0 ** -decimals[0])

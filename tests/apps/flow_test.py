@@ -155,6 +155,8 @@ class Flows(Case):
         self.check_error(run("flow", plan, "-o", FOLDER / "short.h5"), 2, "a max_time after that was expected")
         bad = write("bad_short.toml", PLAN.replace("side = 3", "side = 1.5"))
         self.assertEqual(run("flow", bad, "-o", FOLDER / "short.h5", "--fresh").returncode, 2)
+        leaving = write("leaving.toml", PLAN.replace('end = "steady"', 'end = "time"') + '[motion]\nx = "4*t"\n')
+        self.check_error(run("flow", leaving, "-o", FOLDER / "short.h5", "--fresh"), 2, "of a border at t = ")
         other = write("other_short.toml", PLAN.replace("thickness = 1", "thickness = 0.9"))
         self.check_error(run("flow", other, "-o", FOLDER / "short.h5"), 3, "checkpoint of another case", "--fresh")
         self.assertTrue(kept.exists())
@@ -333,6 +335,9 @@ relative = 0.15
             (("side = 3", "side = 1.5"), 2, ["33 % of the stream's width"]),
             (("cells_per_length = 6", "cells_per_length = 900"), 2, ["expected at most max_memory, 2 GB"]),
             (('"ellipse"', '"elipse"'), 3, ["elipse", "ellipse"]),
+            (('"ellipse", length = 1, thickness', '"plate", baffle = true, thickness'), 3, ["thickness", "stands beside baffle = true"]),
+            (('end = "steady"\nmax_time = 80\n', 'end = "time"\nmax_time = 80\n[motion]\nx = "0"\nperiod = 1e-6\n'), 3,
+             ["[motion] period", "is 1e-06, expected at least 0.1667 l/U"]),
             (("end = ", "ende = "), 3, ["ende", "end"]),
             (("end = ", "intensity = 0\nend = "), 3, ["bad.toml:8", "intensity", "is 0"]),
             (("end = ", "intensity = -0.1\nend = "), 3, ["intensity", "is -0.1"]),
@@ -376,6 +381,10 @@ relative = 0.15
         with h5py.File(changed, "r+", libver="latest") as file:
             file["grid"].attrs["cells"] = numpy.array([54.0 * 36, 1, 1])
         self.check_error(run("info", changed), 3, "has 1 cells along y, expected at least 2")
+        changed.write_bytes(flow().read_bytes())
+        with h5py.File(changed, "r+", libver="latest") as file:
+            file["loads"].attrs["C_D"] = numpy.nan
+        self.check_error(run("info", changed), 3, "changed.h5", "/loads", "the attribute C_D of nan")
 
     def test_no_other_file_is_lost_to_a_flow(self):
         other = write("other.txt", "mine")
@@ -386,6 +395,10 @@ relative = 0.15
         kept = line.read_bytes()
         self.check_error(run("flow", FOLDER / "again.toml", "-o", line), 2, "is a codebook, and a flow would be written")
         self.assertEqual(line.read_bytes(), kept)
+        kept = flow().read_bytes()
+        boxed = write("boxed.toml", PLAN + "[box]\nlog10_reynolds = [1.4, 1.6]\n")
+        self.check_error(run("flow", boxed, "-o", flow()), 2, "is a flow, and a codebook would be written: it would be lost")
+        self.assertEqual(flow().read_bytes(), kept)
 
 
 if __name__ == "__main__":

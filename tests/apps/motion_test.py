@@ -104,6 +104,18 @@ class Databases(Case):
             self.assertEqual(pathlib.Path(path).read_bytes(), before)
 
 
+    def test_an_interrupted_database_is_none(self):
+        many = swept("many", CHAOS.replace("count = 100", "count = 10000").replace('keep = "trajectories"\n', ""))
+        path = FOLDER / "many_motions.h5"
+        process = subprocess.Popen([SAMARA, "database", many, "-o", path], stderr=subprocess.PIPE, text=True)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=LONGEST)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("cancelled before the motions were cut", errors)
+        self.assertFalse(path.exists())
+
+
 class Sweeps(Case):
     def test_a_sweep_is_a_file_that_others_read(self):
         with h5py.File(swept()) as file:
@@ -304,6 +316,7 @@ step = "1 ms"
         self.check_error(run("patterns", path, "--release", "1"), 2, "--draw or --clamp was expected")
         self.check_error(run("patterns", path, "--draw", "zigzag", "--set", "C_R=2"), 2, "--set is of the point that --clamp moves")
         self.check_error(run("patterns", path, "--draw", "zigzag", "--report", FOLDER / "no.html"), 2, "--report is of the whole sweep")
+        self.check_error(run("patterns", path, "--draw", "zigzag", "--clusters", "3"), 2, "--clusters is of the whole sweep")
 
     def test_a_sweep_interrupted_while_it_is_refined_goes_on_without_its_falls_again(self):
         plan = write("finer.toml", PLATES.replace("until = 120", "until = 400") + "[refine]\nrounds = 6\n")
@@ -338,6 +351,11 @@ step = "1 ms"
             del file["model_text"]
             file.create_dataset("model_text", (0,), "S8")
         self.check_error(run("patterns", half), 3, "/model_text", "is not one text")
+        shutil.copy(swept(), half)
+        with h5py.File(half, "a") as file:
+            del file["labels"]
+            file["labels"] = 1.0
+        self.check_error(run("patterns", half), 3, "/labels", "has 0 dimensions, expected 1")
 
 
 class Patterns(Case):
@@ -355,9 +373,10 @@ class Patterns(Case):
         answer = json.loads(run("patterns", swing, helix, "--length", "5 cm", "--json").stdout)
         self.assertEqual(answer["schema"], "samara-patterns/1")
         self.assertEqual([c["windows"][-1]["pattern"] for c in answer["captures"]], ["zigzag", "spiral"])
-        self.check_error(run("patterns", swing, "--labels", labels), 2, "labels name the capture \"round\"")
+        self.check_error(run("patterns", swing, "--labels", labels), 3, f"{labels}:3: labels name the capture \"round\"")
         self.check_error(run("patterns", swing, "--class", "a=zigzag"), 2, "--labels was expected")
         self.check_error(run("patterns", swing, "--length", "5 kg"), 2, "--length")
+        self.check_error(run("patterns", swing, "--clusters", "3"), 2, "--clusters is of sweeps")
         # Thresholds are those of the call, and stand beside every answer.
         self.assertEqual(answer["thresholds"]["veers"], 2.5)
         asked = json.loads(run("patterns", swing, "--length", "5 cm", "--threshold", "steady_sway=2", "--json").stdout)
@@ -373,7 +392,7 @@ class Patterns(Case):
         self.assertEqual([[w["pattern"] for w in c["windows"]] for c in both], [["unresolved"], ["zigzag"]])
         self.assertIn("no frames from 4.98 to 5.32 s", both[0]["windows"][0]["why"])
         short = self.track("short.csv", numpy.c_[t, t, t, t][:9])
-        self.check_error(run("patterns", short), 2, "has 9 frames that were seen, expected at least 12")
+        self.check_error(run("patterns", short), 3, str(short), "has 9 frames that were seen, expected at least 12")
 
 
     def test_the_page_of_captures_cannot_be_made_to_run_what_stands_in_files(self):

@@ -94,6 +94,30 @@ share = "cos(angle)"
             else:
                 self.check_error(result, 3, "[outputs] tip")
 
+    def test_derived_values_that_are_no_numbers_are_left_empty_and_told(self):
+        path = write("halting.toml", MODEL.replace("-rate*x", "-rate*1 [m]") +
+                     '[outputs]\nroot = "sqrt(x/1 [m])"\nlongest = "1 [m]/(x - abs(x))"\n')
+        plan = write("halting_plan.toml", 'model = "halting.toml"\n' + BOX.replace("end = 1", "end = 4"))
+        self.assertEqual(run("build", plan, "-o", FOLDER / "halting.h5").returncode, 0)
+        for ask in (["simulate", path, "--until", "4", "--frames", "5"],
+                    ["query", FOLDER / "halting.h5", "--set", "rate=0.5", "--at", "0:1:4"]):
+            with self.subTest(ask[0]):
+                result = run(*ask)
+                self.assertEqual(result.returncode, 4, result.stderr)
+                self.assertRegex(result.stderr, "root is no number in 2 of 5 rows, which are left empty")
+                self.assertRegex(result.stderr, "longest is no number in [23] of 5 rows")  # x = 0 is round-off of a codebook
+                rows = [line.split(",") for line in result.stdout.splitlines()[1:]]
+                self.assertEqual([row[-2] for row in rows[3:]], ["", ""])
+                self.assertAlmostEqual(float(rows[1][-2]), math.sqrt(0.5), delta=1e-3)
+                self.assertEqual(rows[0][-1], "")
+                self.assertAlmostEqual(float(rows[4][-1]), -0.5, delta=1e-3)
+                answer = run(*ask, "--json")
+                self.assertEqual(answer.returncode, 4)
+                self.assertIn("null", answer.stdout)
+        slopes = run("query", FOLDER / "halting.h5", "--set", "rate=0.5", "--at", "3", "--gradient")
+        self.assertEqual(slopes.returncode, 4)
+        self.assertIn("the derivative of root by rate is no number in 1 of 1 rows", slopes.stderr)
+
     def test_a_plan_that_holds_its_equations_is_shown_too(self):
         text = "[equations]\n" + MODEL.replace("[states]", "[equations.states]").replace("[parameters]", "[equations.parameters]")
         path = write("whole_plan.toml", text.replace("[rates]", "[equations.rates]") + BOX)

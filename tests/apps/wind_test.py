@@ -145,8 +145,8 @@ class BadWinds(Case):
     def test_profiles(self):
         mean = '[mean]\nspeed = "4 m/s"\n'
         self.check_file(mean + 'height = "2 m"\nroughness = "2 m"\n', "[mean] roughness", "2 m, expected more than")
-        self.check_file(mean + 'roughness = "0 m"\n', "[mean] roughness", "is 0 m, expected more than 0")
-        self.check_file(mean + 'roughness = "-1 m"\n', "is -1 m, expected more than 0")
+        self.check_file(mean + 'roughness = "0 m"\n', "[mean] roughness", "is 0; more than 0 was expected")
+        self.check_file(mean + 'roughness = "-1 m"\n', "is -1; more than 0 was expected")
         self.check_file(mean + "roughness = nan\n", "[mean] roughness", "nan")
         self.check_file(mean + 'height = "3 s"\n', "[mean] height")
         self.check_file('[mean]\nspeed = "-4 m/s"\n', "[mean] speed", "is -4 m/s, expected at least 0")
@@ -167,7 +167,7 @@ class BadWinds(Case):
         self.check_file(uniform + "[turbulence]\n", '"sigma" is missing')
         self.check_file(uniform + '[turbulence]\nsigma = "1 m/s"\n', '"length" is missing')
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0]\nduration = 1\n", "velocity", "has 2 numbers, expected 3")
-        self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, 0]\nduration = 0\n", "duration", "is 0 s, expected more than 0")
+        self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, 0]\nduration = 0\n", "duration", "is 0; more than 0 was expected")
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, nan]\nduration = 1\n", "velocity")
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, 0]\nduration = 1\ntravel = [0, 0, 0]\n", "travel", "everywhere at once")
         self.check_file(mean + '[[gusts]]\nvelocity = [1, 0, 0]\nduration = 1\nshape = "cosine"\n', "one_minus_cosine")

@@ -1,4 +1,5 @@
-"""Fails if a room or a sub-room includes a header of one it may not know (docs/architecture.md)."""
+"""Fails if a room or a sub-room includes a header of one it may not know, or if the sub-rooms here, those that are built
+and those of docs/architecture.md are not the same in the same order."""
 
 import pathlib
 import re
@@ -41,6 +42,23 @@ SUFFIXES = {".h", ".cpp"}
 root = pathlib.Path(sys.argv[1])
 wrong = []
 seen = 0
+rooms_told = (root / "docs" / "architecture.md").read_text().split("\n## ")[0]
+for room, order in SUB_ROOMS.items():
+    named = [sub_room for sub_room in order if sub_room]
+    listing = (root / room / "CMakeLists.txt").read_text()
+    built = re.search(r"SUB_ROOMS\s+(.*?)\s+HEADERS", listing, re.S)
+    if built:
+        sub_rooms = built[1].split()
+        # What is built as a part of its own lists its sources.
+        parts = re.findall(r"^samara_room_part\(\w+ SOURCES (\w+)/", listing, re.M)
+        expected = [sub_room for sub_room in named if sub_room in sub_rooms or sub_room not in parts]
+        if sub_rooms != expected:
+            wrong.append(f"{room}/CMakeLists.txt builds {sub_rooms}, expected {expected}")
+    told = re.search(rf"^- `{room}/`:.*?(?=^- `|\Z)", rooms_told, re.M | re.S)[0]
+    items = re.findall(r"^  - `([\w/]+)/`:", told, re.M)
+    if items and items != [sub_room for sub_room in named if "/" not in sub_room]:
+        wrong.append(f"docs/architecture.md has {items} in {room}/, expected {named}")
+    wrong += [f"docs/architecture.md does not tell of {room}/{sub_room}/" for sub_room in named if f"`{sub_room}/`" not in told]
 for room, allowed in MAY_INCLUDE.items():
     order = SUB_ROOMS[room]
     for file in sorted((root / room).rglob("*")):

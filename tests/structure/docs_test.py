@@ -1,7 +1,7 @@
 """Usage: docs_test.py ROOT
 
-What the documentation shows of the examples is what stands there; its links lead somewhere, its lines are short, its map
-has all pages, and its reference pages have all keys.
+What the documentation shows of the examples is what stands there; its links lead somewhere, its lines and those of
+comments are short, its map has all pages, and its reference pages have all keys.
 """
 
 import ast
@@ -96,6 +96,21 @@ class Links(unittest.TestCase):
                 for name in re.findall(r"\bdocs/[\w/]+\.md", file.read_text()):
                     self.assertTrue((ROOT / name).exists(), f"{file.relative_to(ROOT)}: {name}")
 
+    def test_sources_named_in_comments_exist(self):
+        """By their name, or by the end of their path: `march.h`, `nonlinear/march.h`."""
+        comments = re.compile(r"(?:^|\s)//.*|/\*.*?\*/", re.M | re.S)
+        names = re.compile(r"(?<![\w./<>*])(?:samara/)?((?:\w+/)*\w+\.(?:h|cpp))\b")
+        folders = ("apps", "base", "benchmarks", "codebooks", "examples", "flow", "identification", "io", "models", "motion", "pgd", "python", "tests")
+        files = [file for folder in folders for file in (ROOT / folder).rglob("*") if file.suffix in (".h", ".cpp")]
+        ends = {"/".join(file.parts[-count:]) for file in files for count in range(1, len(file.relative_to(ROOT).parts) + 1)}
+        seen = 0
+        for file in files:
+            for comment in comments.findall(re.sub(r'"(?:[^"\\\n]|\\.)*"', '""', file.read_text())):
+                for name in names.findall(comment):
+                    seen += 1
+                    self.assertTrue(name in ends, f"{file.relative_to(ROOT)}: {name}")
+        self.assertGreater(seen, 100)
+
     def test_the_map_has_every_page(self):
         targets = {target.partition("#")[0] for target in LINK.findall(text("docs/index.md"))}
         for page in PAGES:
@@ -115,6 +130,23 @@ class Lines(unittest.TestCase):
                 if len(line) > self.WIDTH and not is_table:
                     self.fail(f"{page.relative_to(ROOT)}:{number} has {len(line)} characters, expected at most {self.WIDTH}: "
                               "./dev format wraps prose, a backslash ends a part of a line for the shell")
+
+    COMMENT = re.compile(r"\s*(//|/\*|\* )|.*///<")
+    COMMENT_WIDTH = 120
+
+    def test_lines_of_comments_are_short(self):
+        """The formatter of sources leaves comments as they are."""
+        seen = 0
+        for folder in ("apps", "base", "benchmarks", "codebooks", "examples", "flow", "identification", "io", "models",
+                       "motion", "pgd", "python", "tests"):
+            for file in sorted((ROOT / folder).rglob("*")):
+                if file.suffix not in (".h", ".cpp"):
+                    continue
+                for number, line in enumerate(file.read_text().splitlines(), 1):
+                    if self.COMMENT.match(line):
+                        seen += 1
+                        self.assertLessEqual(len(line), self.COMMENT_WIDTH, f"{file.relative_to(ROOT)}:{number}: wrap the comment")
+        self.assertGreater(seen, 10000)
 
     def test_lines_to_type_are_marked_as_such(self):
         """tests/apps/pages_test.py runs what stands in sh fences."""
