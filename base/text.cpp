@@ -42,8 +42,9 @@ std::string lower_case(std::string_view text) {
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongestQuote = 60;
   std::size_t shown = std::min(text.size(), kLongestQuote);
-  while (shown < text.size() && (static_cast<unsigned char>(text[shown]) & 0xC0) == 0x80)
-    --shown;  // within a character
+  while (shown > 0 && shown < text.size() && (static_cast<unsigned char>(text[shown]) & 0xC0) == 0x80)
+    --shown;                                                     // within a character
+  if (shown == 0) shown = std::min(text.size(), kLongestQuote);  // no characters: bytes
   std::string quote = "\"";
   for (const char c : text.substr(0, shown)) {
     const auto code = static_cast<unsigned char>(c);

@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -42,12 +44,18 @@ void write_all(int descriptor, std::string_view text, const fs::path& path) {
   }
 }
 
-/// The path that symbolic links lead to, also those that lead to no file yet.
+/// Whether it is one of those that /dev/stdout and /dev/fd/3 lead to, where each is named by its number.
+bool is_descriptor(const fs::path& path) {
+  std::error_code error;
+  return fs::equivalent(path.parent_path(), "/proc/self/fd", error);
+}
+
+/// The path that symbolic links lead to, also those that lead to no file yet; descriptors are not followed.
 fs::path followed(const fs::path& given) {
   constexpr int kMostLinks = 40;  // as the kernel's
   fs::path path = given;
   std::error_code error;
-  for (int links = 0; fs::is_symlink(fs::symlink_status(path, error)); ++links) {
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, error)) && !is_descriptor(path); ++links) {
     if (links == kMostLinks) cannot_write(given, "its symbolic links lead round in a circle");
     const fs::path next = fs::read_symlink(path, error);
     if (error) cannot_write(given, error.message());
@@ -64,6 +72,30 @@ bool is_stream(const fs::file_status& status) {
   return fs::is_character_file(status) || fs::is_fifo(status) || fs::is_socket(status);
 }
 
+/// The descriptor that is open at the regular file which the path leads to: any by its own name, stdout and stderr by
+/// every name. Others write to such a file, too (`>> log.txt`), so it is not replaced.
+std::optional<int> descriptor_at(const fs::path& given) {
+  struct stat there = {}, open = {};
+  if (::stat(given.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return std::nullopt;
+  const fs::path target = followed(given);
+  if (is_descriptor(target)) return std::atoi(target.filename().c_str());
+  for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fstat(descriptor, &open) == 0 && open.st_dev == there.st_dev && open.st_ino == there.st_ino)
+      return descriptor;
+  }
+  return std::nullopt;
+}
+
+std::string name_of(int descriptor) {
+  if (descriptor == STDOUT_FILENO) return "stdout";
+  return descriptor == STDERR_FILENO ? "stderr" : "descriptor " + std::to_string(descriptor);
+}
+
+void require_open_for_writing(int descriptor, const fs::path& path) {
+  if ((::fcntl(descriptor, F_GETFL) & O_ACCMODE) == O_RDONLY)
+    cannot_write(path, name_of(descriptor) + " is open for reading only");
+}
+
 }  // namespace
 
 PendingFile::PendingFile(const fs::path& final_path) : given_(final_path), target_(followed(final_path)) {
@@ -72,6 +104,8 @@ PendingFile::PendingFile(const fs::path& final_path) : given_(final_path), targe
   if (fs::exists(status)) {
     if (fs::is_directory(status)) cannot_write(given_, "it is a directory");
     if (!fs::is_regular_file(status)) cannot_write(given_, "it is not a regular file");
+    if (const auto open = descriptor_at(given_))
+      cannot_write(given_, "it is where " + name_of(*open) + " leads; a file of its own was expected");
   } else if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory) {
     cannot_write(given_, error.message());  // a name that is too long, above all
   }
@@ -144,6 +178,7 @@ void require_writable(const fs::path& path) {
     if (::access(path.c_str(), W_OK) != 0) cannot_write(path, std::strerror(errno));
     return;
   }
+  if (const auto open = descriptor_at(path)) return require_open_for_writing(*open, path);
   const PendingFile probe(path);
 }
 
@@ -153,6 +188,13 @@ void write_text_atomically(const fs::path& path, std::string_view text) {
     const Descriptor stream(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
     if (!stream.valid()) cannot_write(path, std::strerror(errno));
     write_all(stream.get(), text, path);
+    return;
+  }
+  if (const auto open = descriptor_at(path)) {
+    require_open_for_writing(*open, path);
+    const Descriptor file(::fcntl(*open, F_DUPFD_CLOEXEC, 0));
+    if (!file.valid()) cannot_write(path, std::strerror(errno));
+    write_all(file.get(), text, path);
     return;
   }
   PendingFile pending(path);

@@ -17,7 +17,7 @@ class PendingFile {
   /// Creates the temporary file, empty. Symbolic links are followed: the file they lead to will be replaced,
   /// or created. One that is replaced keeps its permissions.
   /// @throws ArgumentError naming `final_path` if its directory does not exist or cannot be written, or if it
-  /// is a directory or a device.
+  /// is a directory or a device, or where stdout or stderr leads.
   explicit PendingFile(const std::filesystem::path& final_path);
   ~PendingFile();
   PendingFile(PendingFile&& other) noexcept;
@@ -50,7 +50,8 @@ class PendingFile {
 /// @throws ArgumentError naming the path and the reason if not.
 void require_writable(const std::filesystem::path& path);
 
-/// Replaces or creates the file. Pipes and devices (/dev/stdout, /dev/null) are written directly.
+/// Replaces or creates the file. Pipes and devices (/dev/stdout, /dev/null) are written directly; so is a file that
+/// stdout, stderr or the descriptor named (/dev/fd/3) leads to: what stands in it already stays.
 /// @throws ArgumentError naming the path and the reason if it cannot be written.
 void write_text_atomically(const std::filesystem::path& path, std::string_view text);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
@@ -52,10 +53,11 @@ void check_header(const std::vector<std::string>& header, Eigen::Index columns) 
     throw ArgumentError("a table with " + std::to_string(columns) +
                         " columns needs as many names, at least one; got " + std::to_string(header.size()));
   }
-  for (auto name = header.begin(); name != header.end(); ++name) {
-    if (name->empty()) throw ArgumentError("the name of a column is empty");
-    if (std::find(header.begin(), name, *name) != name) {
-      throw ArgumentError("the column " + in_quotes(*name) + " stands twice in the header");
+  std::set<std::string_view> known;
+  for (const std::string& name : header) {
+    if (name.empty()) throw ArgumentError("the name of a column is empty");
+    if (!known.insert(name).second) {
+      throw ArgumentError("the column " + in_quotes(name) + " stands twice in the header");
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "samara/base/errors.h"
@@ -32,15 +33,14 @@ class RecordReader {
   int line() const { return line_; }
 
   /// What is left of the current line, without its end.
-  std::string_view peek_line() const {
-    std::string_view rest = text_.substr(at_, text_.find('\n', at_) - at_);
+  std::string_view peek_line() {
+    std::string_view rest = text_.substr(at_, line_end() - at_);
     if (rest.ends_with('\r')) rest.remove_suffix(1);
     return rest;
   }
 
   void skip_line() {
-    const std::size_t end = text_.find('\n', at_);
-    at_ = end == std::string_view::npos ? text_.size() : end + 1;
+    at_ = std::min(line_end() + 1, text_.size());
     ++line_;
   }
 
@@ -59,6 +59,12 @@ class RecordReader {
   }
 
  private:
+  /// Where the current line ends. It is looked for once a line, not once a cell: a line may be long.
+  std::size_t line_end() {
+    if (!end_ || *end_ < at_) end_ = std::min(text_.find('\n', at_), text_.size());
+    return *end_;
+  }
+
   bool next_is(char c) const { return !at_end() && text_[at_] == c; }
 
   void skip_blanks(char delimiter) {
@@ -101,6 +107,7 @@ class RecordReader {
   std::string_view text_;
   std::string file_;
   std::size_t at_ = 0;
+  std::optional<std::size_t> end_;
   int line_ = 1;
 };
 
@@ -123,11 +130,12 @@ char detected_delimiter(std::string_view header) {
 }
 
 void check_header(const std::vector<std::string>& header, const std::string& file, int line) {
+  std::set<std::string_view> known;
   for (auto name = header.begin(); name != header.end(); ++name) {
     if (name->empty()) {
       throw InputError(file, line, "column " + std::to_string(name - header.begin() + 1) + " has no name");
     }
-    if (std::find(header.begin(), name, *name) != name) {
+    if (!known.insert(*name).second) {
       throw InputError(file, line, "the column " + in_quotes(*name) + " stands twice in the header");
     }
   }

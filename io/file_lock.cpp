@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cerrno>
+#include <iterator>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -32,12 +34,26 @@ std::string holder_of(int file) {
                   : "another process";
 }
 
+/// Whether it holds what no lock does: a lock has the number of a process, or nothing yet.
+bool is_of_others(int file) {
+  std::array<char, 64> text = {};
+  const ssize_t size = ::pread(file, text.data(), text.size(), 0);
+  constexpr std::string_view kOfLocks = "0123456789 \t\r\n";
+  return size == std::ssize(text) ||
+         (size > 0 &&
+          std::string_view(text.data(), static_cast<std::size_t>(size)).find_first_not_of(kOfLocks) !=
+              std::string_view::npos);
+}
+
 }  // namespace
 
 FileLock::FileLock(const std::filesystem::path& path, const std::string& purpose) : path_(path) {
   do {
     file_ = std::make_unique<Descriptor>(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
     if (!file_->valid()) return;
+    if (is_of_others(file_->get()))
+      throw ArgumentError(
+          fmt::format("the file \"{}\" is in the way: it is no lock of samara", path.string()));
     int problem = EINTR;
     while (problem == EINTR) problem = ::flock(file_->get(), LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
     if (problem == EWOULDBLOCK)

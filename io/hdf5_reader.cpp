@@ -195,6 +195,12 @@ double Hdf5Reader::number_attribute(const std::string& object, const std::string
   return value;
 }
 
+double Hdf5Reader::finite_attribute(const std::string& object, const std::string& name) const {
+  const double value = number_attribute(object, name);
+  if (std::isfinite(value)) return value;
+  throw error(object, name + " is " + number_text(value) + ", expected a finite number");
+}
+
 std::vector<double> Hdf5Reader::numbers_attribute(const std::string& object, const std::string& name) const {
   const Session session;
   const Source source = hdf5::open_attribute(impl_->file, hdf5::absolute(object), name);

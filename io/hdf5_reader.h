@@ -62,6 +62,8 @@ class Hdf5Reader {
   std::int64_t integer_attribute(const std::string& object, const std::string& name) const;
   /// Integers are taken as well, and values that are not finite pass, here and in numbers_attribute().
   double number_attribute(const std::string& object, const std::string& name) const;
+  /// The same, refusing NaN and infinities.
+  double finite_attribute(const std::string& object, const std::string& name) const;
   /// A scalar counts as one number.
   std::vector<double> numbers_attribute(const std::string& object, const std::string& name) const;
 

@@ -10,6 +10,7 @@
 #include "samara/base/names.h"
 #include "samara/base/number_text.h"
 #include "samara/base/text.h"
+#include "samara/base/unit_labels.h"
 #include "samara/base/units.h"
 #include "samara/io/text_file.h"
 
@@ -119,9 +120,9 @@ auto converted(const Node& node, const std::string& key, const Convert& convert)
   }
 }
 
-double more_than_zero(const TomlTable& table, const std::string& key, double value) {
+double more_than_zero(const TomlTable& table, const std::string& key, double value, std::string_view unit) {
   if (std::isfinite(value) && value > 0.0) return value;
-  throw table.error(key, "is " + number_text(value) + "; more than 0 was expected");
+  throw table.error(key, "is " + number_text(value) + unit_suffix(unit) + "; more than 0 was expected");
 }
 
 /// Calls `get` if the key is there.
@@ -346,11 +347,11 @@ double TomlTable::difference(const std::string& key, std::string_view unit) cons
 }
 
 double TomlTable::positive(const std::string& key, std::string_view unit) const {
-  return more_than_zero(*this, key, quantity(key, unit));
+  return more_than_zero(*this, key, quantity(key, unit), unit);
 }
 
 double TomlTable::positive_difference(const std::string& key, std::string_view unit) const {
-  return more_than_zero(*this, key, difference(key, unit));
+  return more_than_zero(*this, key, difference(key, unit), unit);
 }
 
 std::vector<std::vector<std::string>> TomlTable::string_lists(const std::string& key) const {

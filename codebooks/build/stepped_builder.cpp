@@ -403,7 +403,7 @@ class SteppedBuild {
     if (record_.status != Termination::converged) {
       round_off(field, kShareOfRounding * plan_.relative);
       record_.message +=
-          fmt::format("; the best field errs by {:.3g} at {} points", state_.best_error, kCheckPoints);
+          fmt::format("; the best field errs by {:.3g} where it was checked", state_.best_error);
     }
     record_.message += fmt::format(
         ", with {} trajectories in steps of {:.3g} s; {} elements of time; {} nodes; rounded from {} numbers "

@@ -80,13 +80,6 @@ struct CertificateNumbers {
   }
 };
 
-double finite_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
-  const double value = file.number_attribute(path, name);
-  if (!std::isfinite(value))
-    throw file.error(path, fmt::format("{} is {}, expected a finite number", name, value));
-  return value;
-}
-
 int count_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
   const std::int64_t value = file.integer_attribute(path, name);
   if (value < 0 || value > std::numeric_limits<int>::max())
@@ -105,7 +98,7 @@ bool read_met(const Hdf5Reader& file, const std::string& path) {
 Certificate read_certificate(const Hdf5Reader& file) {
   const std::string path = "/certificate";
   Certificate c;
-  c.tolerance = finite_attribute(file, path, "tolerance");
+  c.tolerance = file.finite_attribute(path, "tolerance");
   c.met = read_met(file, path);
   c.points = count_attribute(file, path, "points");
   c.times = count_attribute(file, path, "times");
@@ -135,7 +128,7 @@ Certificate read_certificate(const Hdf5Reader& file) {
   if (problem != std::errc() || rest != seed.data() + seed.size())
     throw file.error(path, fmt::format("seed is \"{}\", expected a whole number", seed));
   c.integrator = file.text_attribute(path, "integrator");
-  c.integrator_tolerance = finite_attribute(file, path, "integrator_tolerance");
+  c.integrator_tolerance = file.finite_attribute(path, "integrator_tolerance");
   c.residual = number(path, "residual");
   c.spent.discretisation = number(path, "spent_discretisation");
   c.spent.compression = number(path, "spent_compression");

@@ -24,7 +24,7 @@
 /// defaults follow what they depend on.
 ///
 /// Nothing is allocated but when a lane is loaded for the first time. One object per thread. Lanes do not touch each
-/// other, but for last digits of sines in the laws of plates (batch/lane_sine.h).
+/// other, but for last digits of the sines of some laws (batch/lane_sine.h).
 namespace samara::models {
 
 class Stepper {

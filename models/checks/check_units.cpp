@@ -80,7 +80,7 @@ void check_force_units(const Model& model, const Point& point, const Point& chan
   model.forces(point.t, point.x, point.p, before);
   model.forces(changed.t, changed.x, changed.p, after);
   const auto look = [&](const std::string& what, const std::string& unit, double difference, double size) {
-    if (difference > kEqualRates * size) findings.push_back(not_followed(what, in_quotes(unit), change));
+    if (!(difference <= kEqualRates * size)) findings.push_back(not_followed(what, in_quotes(unit), change));
   };
   const auto factor = [&](const std::string& unit) { return change.of(unit); };
   // Terms may be small differences of larger things; all terms together say how large.

@@ -124,9 +124,17 @@ class EquationCompiler {
     }
   }
 
+  UnitPowers unit_of_rate(const StateInfo& state, const UnitPowers& time) const {
+    try {
+      return names_.at(state.name).unit.times(time, -1);
+    } catch (const ArgumentError& error) {
+      throw EquationError(EquationPart::rates, state.name, error.what());
+    }
+  }
+
   void add_rate(const StateInfo& state, std::size_t index, const UnitPowers& time) {
     const Term rate = read(EquationPart::rates, state.name, equations_.rates[index]);
-    const UnitPowers expected = names_.at(state.name).unit.times(time, -1);
+    const UnitPowers expected = unit_of_rate(state, time);
     if (!(rate.unit == expected) && !compiled_.graph.is_constant(rate.node, 0.0))
       throw EquationError(EquationPart::rates, state.name,
                           fmt::format("the rate of \"{}\" is in {}, expected {}: its unit per {}", state.name,

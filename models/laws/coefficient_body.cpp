@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "samara/models/batch/lane_sine.h"
 #include "samara/models/law_tools/reynolds.h"
 #include "samara/models/laws/spatial_body.h"
 
@@ -21,8 +22,6 @@ struct FlowAxes {
   FlowAxes(const Vector3<S>& u, const S& floor) {
     using std::abs;
     using std::atan2;
-    using std::cos;
-    using std::sin;
     using std::sqrt;
     const S across_2 = u.z * u.z + floor * floor;
     const S in_plane = sqrt(u.x * u.x + across_2);
@@ -31,8 +30,8 @@ struct FlowAxes {
     alpha = S(2.0) * atan2(u.z, beyond);
     beta = atan2(u.y, in_plane);
     speed_2 = dot(u, u);
-    const S cos_alpha = cos(alpha), sin_alpha = sin(alpha);
-    const S cos_beta = cos(beta), sin_beta = sin(beta);
+    const auto [sin_alpha, cos_alpha] = sine_and_cosine(alpha);
+    const auto [sin_beta, cos_beta] = sine_and_cosine(beta);
     x = {cos_alpha * cos_beta, sin_beta, sin_alpha * cos_beta};
     y = {-cos_alpha * sin_beta, cos_beta, -sin_alpha * sin_beta};
     z = {-sin_alpha, S(0.0), cos_alpha};

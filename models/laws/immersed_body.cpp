@@ -53,7 +53,7 @@ std::vector<ForceTermInfo> force_terms() {
       {.name = "damping", .description = "of rotation"},
       {.name = "gravity and buoyancy", .description = "weight at the origin, buoyancy at r_b"},
       {.name = "ambient acceleration",
-       .description = "pressure gradient of the undisturbed fluid, m_f D w_air/Dt, "
+       .description = "pressure gradient of the undisturbed fluid, m_f D w_air/Dt at r_b, "
                       "less m times the rate of w_air along the path"},
   };
 }
@@ -70,7 +70,8 @@ ModelInfo ImmersedBody::info() {
       "q' = 1/2 q (0, w);  "
       "u_r = u - R^T w_air;  "
       "F = drag + translational lift + rotational lift + (m - m_f) R^T (0, 0, -g);  "
-      "T = p x (drag + translational lift + rotational lift) + damping - m_f r_b x R^T (0, 0, -g);  "
+      "T = p x (drag + translational lift + rotational lift) + damping - m_f r_b x R^T ((0, 0, -g) - "
+      "Dw_air/Dt);  "
       "drag = -1/2 rho A (1 + Re_drag/Re) (C_D0 (v_x^2 + v_y^2) + C_D90 v_z^2)/U v;  "
       "translational lift = -rho A C_T/(1 + Re_lift/Re) v_z/U v x (n x v);  "
       "rotational lift = 1/2 rho A C_R/(1 + Re_lift/Re) (l_x w_x, l_y w_y, 0) x v;  "

@@ -12,7 +12,7 @@
 /// and L = (I + J) w (M, J the added mass and inertia, diagonal in body axes),
 ///
 ///   dP_r/dt = P_r x w                      + F + m_f R^T Dw_air/Dt - m R^T (dw_air/dt + (v . grad) w_air)
-///   dL/dt   = L x w + kappa (M u_r) x u_r  + T
+///   dL/dt   = L x w + kappa (M u_r) x u_r  + T + m_f r_b x R^T Dw_air/Dt
 ///
 /// which is Kirchhoff's equation for P = m u + M u_r, so that a steady uniform wind only carries the motion
 /// along. F and T: quasi_steady_forces.h, gravity and buoyancy.
@@ -73,8 +73,10 @@ struct ImmersedBody : EllipsoidBody {
     all[kDamping] = flow.damping;
     all[kGravity] =
         gravity_and_buoyancy(pose.R, p[kMass], p[kDisplacedMass], vector3(p + kBuoyancyCentre), p[kG]);
-    all[kAmbient] = {pose.R.to_body(p[kDisplacedMass] * ambient.material_rate - p[kMass] * ambient.path_rate),
-                     {}};
+    const Vector3<S> pressure =
+        p[kDisplacedMass] * pose.R.to_body(ambient.material_rate);  // at r_b, as buoyancy
+    all[kAmbient] = {pressure - p[kMass] * pose.R.to_body(ambient.path_rate),
+                     cross(vector3(p + kBuoyancyCentre), pressure)};
     return all;
   }
 

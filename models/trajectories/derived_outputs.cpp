@@ -1,6 +1,7 @@
 #include "samara/models/trajectories/derived_outputs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -8,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/models/trajectories/model_symmetry.h"
 
 namespace samara::models {
 
@@ -156,17 +158,18 @@ class DerivedTrajectories final : public TrajectoryFamily {
   /// Whether an output changes with time while the states stay: then a part of a trajectory is none from 0 on.
   bool depends_on_time() const {
     const ModelInfo& info = model().model().info();
-    std::vector<double> middle;
-    for (const FamilyCoordinate& c : info_.coordinates) middle.push_back(0.5 * (c.lower + c.upper));
-    std::vector<double> x(info.states.size()), y(info.outputs.size());
-    model().initial(middle, x);
-    const ParameterValues p = model().parameter_values(middle);
+    std::vector<double> y(info.outputs.size());
     Eigen::VectorXd by_t(std::ssize(y));
-    Eigen::MatrixXd by_x(std::ssize(y), std::ssize(x)), by_p(std::ssize(y), std::ssize(info.parameters));
-    for (const double t : {0.37, 7.9}) {
-      model().model().outputs_with_derivatives(t, x, p, y, by_t, by_x, by_p);
-      if (!by_t.isZero(0.0)) return true;
-      for (double& state : x) state += 0.61;  // away from where a factor may vanish
+    Eigen::MatrixXd by_x(std::ssize(y), std::ssize(info.states)),
+        by_p(std::ssize(y), std::ssize(info.parameters));
+    const std::vector<double> times = times_of_motion();
+    for (const auto& [q, x] : points_of_motion(model(), info_.coordinates)) {
+      const ParameterValues p = model().parameter_values(q);
+      for (const double t : times) {
+        model().model().outputs_with_derivatives(t, x, p, y, by_t, by_x, by_p);
+        const auto changes = [](double rate) { return rate != 0.0 && !std::isnan(rate); };
+        if (std::ranges::any_of(by_t, changes)) return true;
+      }
     }
     return false;
   }

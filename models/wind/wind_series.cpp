@@ -20,7 +20,7 @@ namespace {
 constexpr std::array kComponents = {Component::along, Component::across, Component::vertical};
 /// Series draw from streams of their own, see wind_modes.cpp.
 constexpr std::uint64_t kSeriesStreams = std::uint64_t{0x53455249} << 32;
-constexpr double kMostNumbers = 2e7, kMostPoints = 1000;
+constexpr double kMostPoints = 1000;
 /// The transform takes as many operations a sample as the largest prime factor of their number.
 constexpr long kLargestFactor = 1000;
 
@@ -42,11 +42,11 @@ void check_series(const WindProfile& profile, const SeriesOptions& options) {
   require(options.points.cols() >= 1, "the number of points", options.points.cols(), "at least 1");
   const double numbers =
       3.0 * static_cast<double>(options.samples) * static_cast<double>(options.points.cols());
-  if (numbers > kMostNumbers) {
+  if (numbers > kMostSeriesNumbers) {
     throw ArgumentError(
         fmt::format("{} samples at {} points take {:.3g} numbers, some {:.0f} MB; at most {:.0g} were "
                     "expected",
-                    options.samples, options.points.cols(), numbers, 60e-6 * numbers, kMostNumbers));
+                    options.samples, options.points.cols(), numbers, 60e-6 * numbers, kMostSeriesNumbers));
   }
   require(static_cast<double>(options.points.cols()) <= kMostPoints, "the number of points",
           options.points.cols(), "at most 1000");

@@ -23,6 +23,9 @@ enum class SeriesSpectrum {
   kaimal,  ///< kaimal_spectrum, from the friction velocity of a logarithmic profile
 };
 
+/// A series holds 3 numbers a sample and point.
+constexpr double kMostSeriesNumbers = 2e7;
+
 struct SeriesOptions {
   SeriesSpectrum spectrum = SeriesSpectrum::iec;
   double sigma = 0.0;  ///< deviation along the wind [m/s]; `iec` only

@@ -157,8 +157,9 @@ FunctionResult quotient(const SeparatedField& f, const SeparatedField& g, const 
     }
   };
   FunctionResult result = function_of({f, g}, std::move(outputs), divide, options);
-  if (changed >= 0) return refuse(changed, result.point, std::move(result));
-  return result;
+  if (changed < 0) return result;
+  const std::vector<double> point = result.point;
+  return refuse(changed, point, std::move(result));
 }
 
 }  // namespace samara::pgd

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kMostAxesWithCorners = 7;
 /// Training states whose Jacobians tell which states f depends on.
 constexpr Eigen::Index kDependenceSamples = 32;
-/// Of the range of a parameter: the step of the slopes of an f that is not affine in it.
+/// Of the size of a parameter: the step of the slopes of an f that is not affine in it.
 constexpr double kDifferenceShare = 1e-3;
 /// Weights are exp(-beta (d_i^2 - d_min^2) / fill^2), normalised: d_i the distance to point i, states over
 /// their spread, fill the largest distance of a training state to its nearest point.
@@ -32,6 +32,16 @@ Eigen::MatrixXd training_parameters(const std::vector<Axis>& axes) {
   for (std::size_t k = 0; k < axes.size(); ++k)
     q(static_cast<Eigen::Index>(k), corners.cols()) = 0.5 * (axes[k].lower() + axes[k].upper());
   return q;
+}
+
+/// Of every parameter: its range among training states; if it has none, its value; 1 only at 0.
+Eigen::VectorXd sizes_of(const Eigen::MatrixXd& q) {
+  Eigen::VectorXd sizes = q.rowwise().maxCoeff() - q.rowwise().minCoeff();
+  for (Eigen::Index k = 0; k < sizes.size(); ++k) {
+    if (sizes[k] == 0.0) sizes[k] = std::abs(q(k, 0));
+    if (sizes[k] == 0.0) sizes[k] = 1.0;
+  }
+  return sizes;
 }
 
 }  // namespace
@@ -94,7 +104,8 @@ PiecewiseLinearSystem::PiecewiseLinearSystem(const EvolutionSystem& system, cons
   }
   const std::vector<Eigen::Index> picked = pick(system, training, points);
   sharpness_ *= kBeta;
-  linearise(system, {training.t(picked), training.x(Eigen::all, picked), training.q(Eigen::all, picked)});
+  linearise(system, {training.t(picked), training.x(Eigen::all, picked), training.q(Eigen::all, picked)},
+            sizes_of(training.q));
 }
 
 std::vector<Eigen::Index> PiecewiseLinearSystem::pick(const EvolutionSystem& system,
@@ -127,7 +138,8 @@ std::vector<Eigen::Index> PiecewiseLinearSystem::pick(const EvolutionSystem& sys
   return picked;
 }
 
-void PiecewiseLinearSystem::linearise(const EvolutionSystem& system, const TrainingStates& points) {
+void PiecewiseLinearSystem::linearise(const EvolutionSystem& system, const TrainingStates& points,
+                                      const Eigen::VectorXd& sizes) {
   const Eigen::Index n = points.x.rows();
   const Eigen::Index d = points.q.rows();
   centres_ = points.x;
@@ -137,8 +149,7 @@ void PiecewiseLinearSystem::linearise(const EvolutionSystem& system, const Train
   std::vector<Eigen::MatrixXd> f_slopes, jacobian_slopes;
   const bool affine = system.affine_in_parameters();
   for (Eigen::Index k = 0; k < d; ++k) {
-    const double range = points.q.row(k).maxCoeff() - points.q.row(k).minCoeff();
-    const double step = (affine ? 1.0 : kDifferenceShare) * (range > 0.0 ? range : 1.0);
+    const double step = (affine ? 1.0 : kDifferenceShare) * sizes[k];
     Eigen::MatrixXd q = points.q;
     q.row(k).array() += step;
     Eigen::MatrixXd above, below = f, jacobians_above = jacobians;

@@ -54,7 +54,8 @@ class PiecewiseLinearSystem final : public EvolutionSystem {
 
  private:
   std::vector<Eigen::Index> pick(const EvolutionSystem& system, const TrainingStates& training, int points);
-  void linearise(const EvolutionSystem& system, const TrainingStates& points);
+  /// @param sizes of the parameters, by which they are varied
+  void linearise(const EvolutionSystem& system, const TrainingStates& points, const Eigen::VectorXd& sizes);
 
   Eigen::MatrixXd centres_;         ///< states x points, SI
   Eigen::VectorXd inverse_spread_;  ///< of every state; 0: f does not depend on it

@@ -3,9 +3,11 @@
 #include <utility>
 
 #include <catch2/catch.hpp>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "../error_text.h"
+#include "samara/io/descriptor.h"
 #include "temporary_directory.h"
 
 using Catch::Matchers::Contains;
@@ -132,6 +134,25 @@ TEST_CASE("a device is written directly and stays a device") {
   CHECK(fs::is_character_file("/dev/null"));
   CHECK_THAT(error_text<ArgumentError>([] { write_text_atomically("/dev/full", "x"); }),
              Contains("cannot write \"/dev/full\"") && Contains("No space"));
+}
+
+TEST_CASE("a file that a descriptor named leads to keeps what stands in it") {
+  const TemporaryDirectory directory;
+  put_content(directory / "log", "header\n");
+  const samara::io::Descriptor log(::open((directory / "log").c_str(), O_WRONLY | O_APPEND));
+  const samara::io::Descriptor input(::open((directory / "log").c_str(), O_RDONLY));
+  const fs::path name = "/dev/fd/" + std::to_string(log.get());
+  CHECK_NOTHROW(samara::io::require_writable(name));
+  write_text_atomically(name, "answer\n");
+  REQUIRE(::write(log.get(), "footer\n", 7) == 7);
+  CHECK(content(directory / "log") == "header\nanswer\nfooter\n");
+  CHECK_THAT(error_text<ArgumentError>([&] { PendingFile pending(name); }), Contains("a file of its own"));
+  const fs::path read_only = "/dev/fd/" + std::to_string(input.get());
+  CHECK_THAT(error_text<ArgumentError>([&] { write_text_atomically(read_only, "x"); }),
+             Contains("reading only"));
+  CHECK_THAT(error_text<ArgumentError>([&] { samara::io::require_writable(read_only); }),
+             Contains("reading only"));
+  CHECK(directory.file_count() == 1);
 }
 
 TEST_CASE("a path that cannot be written is refused with path and reason") {

@@ -37,3 +37,14 @@ TEST_CASE("where the file of a lock cannot be made there is none") {
   CHECK_NOTHROW(FileLock(folder / std::string(300, 'n'), "builds it"));
   CHECK_NOTHROW(FileLock(folder / "no folder/lock", "builds it"));
 }
+
+TEST_CASE("a file that is no lock is left as it is") {
+  const TemporaryDirectory folder;
+  const auto path = folder / "Cargo.lock";
+  for (const std::string& text : {std::string("version = 3\n"), std::string(100, '1')}) {
+    put_content(path, text);
+    CHECK_THAT(error_text<ArgumentError>([&] { FileLock(path, "builds Cargo"); }),
+               Contains("Cargo.lock\" is in the way: it is no lock of samara"));
+    CHECK(content(path) == text);
+  }
+}

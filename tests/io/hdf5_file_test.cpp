@@ -1,3 +1,4 @@
+#include <cmath>
 #include <csignal>
 #include <limits>
 #include <random>
@@ -109,6 +110,7 @@ TEST_CASE("attributes of every kind read back, on groups and datasets") {
       writer.write_text_attribute(object, "long", long_text);
       writer.write_integer_attribute(object, "integer", std::numeric_limits<std::int64_t>::min());
       writer.write_number_attribute(object, "number", 0.1);
+      writer.write_number_attribute(object, "infinite", std::numeric_limits<double>::infinity());
       writer.write_numbers_attribute(object, "numbers", std::vector{1.5, -0.1, 1e300});
       writer.write_numbers_attribute(object, "none", {});
     }
@@ -120,6 +122,10 @@ TEST_CASE("attributes of every kind read back, on groups and datasets") {
     CHECK(file.text_attribute(object, "long") == long_text);
     CHECK(file.integer_attribute(object, "integer") == std::numeric_limits<std::int64_t>::min());
     CHECK(file.number_attribute(object, "number") == 0.1);
+    CHECK(file.finite_attribute(object, "number") == 0.1);
+    CHECK(std::isinf(file.number_attribute(object, "infinite")));
+    CHECK_THAT(input_error([&] { file.finite_attribute(object, "infinite"); }),
+               Contains(object + ": infinite is inf, expected a finite number"));
     CHECK(file.numbers_attribute(object, "numbers") == std::vector{1.5, -0.1, 1e300});
     CHECK(file.numbers_attribute(object, "number") == std::vector{0.1});
     CHECK(file.numbers_attribute(object, "none").empty());

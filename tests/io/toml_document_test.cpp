@@ -188,11 +188,12 @@ TEST_CASE("a quantity that must be more than 0 is refused with its place where i
   CHECK_FALSE(a.optional_positive("height", "m"));
   CHECK(a.positive("warm", "K") == 275.15);
   CHECK(a.positive_difference("step", "K") == 2e-3);
-  CHECK(toml_error([&] { a.positive("none", "m"); }) == "t:3: [a] none: is 0; more than 0 was expected");
+  CHECK(toml_error([&] { a.positive("none", "m"); }) == "t:3: [a] none: is 0 m; more than 0 was expected");
   CHECK(toml_error([&] { a.optional_positive("less", "m"); }) ==
-        "t:6: [a] less: is -0.5; more than 0 was expected");
+        "t:6: [a] less: is -0.5 m; more than 0 was expected");
   CHECK(toml_error([&] { a.positive_difference("none", "K"); }) ==
-        "t:3: [a] none: is 0; more than 0 was expected");
+        "t:3: [a] none: is 0 K; more than 0 was expected");
+  CHECK(toml_error([&] { a.positive("none", "1"); }) == "t:3: [a] none: is 0; more than 0 was expected");
   CHECK_THAT(toml_error([&] { a.positive_difference("warm", "K"); }),
              StartsWith("t:4: [a] warm: ") && Contains("a difference of temperatures is given in K"));
 }

@@ -205,6 +205,9 @@ TEST_CASE("a family knows that its equations know the time, also where the motio
   Equations calm = shaken;
   calm.rates[1] = "-pull*sin(angle)";
   CHECK(family_of(calm)->info().autonomous);
+  Equations kicked = calm;
+  kicked.rates[1] = "-pull*sin(angle) + step(t - 0.5)*step(1.2 - t)";
+  CHECK_FALSE(family_of(kicked)->info().autonomous);
   calm.rates[1] = "sqrt(-pull)";
   CHECK_FALSE(family_of(calm)->info().autonomous);
 }

@@ -122,6 +122,17 @@ TEST_CASE("forces of a body that are said to be per metre of span are found") {
   CHECK_THAT(text, !Contains("the unit of time"));
 }
 
+TEST_CASE("a force that is no number in other units is found") {
+  FunctionModel model = falling(falling_rates);
+  const FunctionModel::Forces forces = model.forces_;
+  model.forces_ = [forces](const FunctionValues& x, const FunctionValues& p) {
+    std::vector<Wrench> terms = forces(x, p);
+    if (p[0] > 2.0) terms[0].torque.x() = std::nan("");  // no mass is drawn so large
+    return terms;
+  };
+  CHECK_THAT(findings(model), Contains("the torque of the term \"drag\" does not follow its unit"));
+}
+
 TEST_CASE("a unit outside SI is found") {
   FunctionModel model = falling(falling_rates);
   model.info_.parameters[0].unit = "lb";

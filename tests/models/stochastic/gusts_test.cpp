@@ -123,7 +123,8 @@ TEST_CASE("a body in a ramp of gusts moves as in a flow that accelerates") {
 
 TEST_CASE(
     "in a fluid that accelerates upward bodies move relative to it as in a still one with more weight") {
-  // An ellipsoid with its masses off the origin, and a blimp with a gondola; both turn.
+  // An ellipsoid with its masses off the origin, a blimp with a gondola, and a body whose buoyancy acts off its centre
+  // of mass; all turn.
   const Parameters any = {{"mass", 0.3},   {"displaced_mass", 0.2}, {"qw(0)", 0.2},  {"qx(0)", 0.9},
                           {"qy(0)", -0.3}, {"qz(0)", 0.1},          {"ux(0)", 2.0},  {"uy(0)", -0.3},
                           {"uz(0)", 0.4},  {"wx(0)", 0.5},          {"wy(0)", -1.0}, {"wz(0)", 0.8}};
@@ -151,10 +152,27 @@ TEST_CASE(
                    {"J_y", 0.01},  {"thrust_left", 0.1},  {"thrust_arm", 0.1}, {"Cd0", 0.2},
                    {"Cda", 1.0},   {"Cla", 1.5},          {"Csb", -1.0},       {"Cmya", -0.1},
                    {"Cmzb", 0.1},  {"K1", -0.01},         {"K2", -0.02},       {"K3", -0.015}});
+  const Parameters lopsided = joined(any, {{"a", 0.35},
+                                           {"b", 0.2},
+                                           {"c", 0.1},
+                                           {"density", 10.0},
+                                           {"I_x", 0.02},
+                                           {"I_y", 0.03},
+                                           {"I_z", 0.025},
+                                           {"r_bx", 0.01},
+                                           {"r_by", -0.02},
+                                           {"r_bz", 0.03},
+                                           {"C_D90", 0.6},
+                                           {"C_D0", 0.05},
+                                           {"C_T", 0.9},
+                                           {"C_R", 1.2},
+                                           {"C_w", 2.0},
+                                           {"kappa", 0.5}});
   const Eigen::Vector3d stream(1.5, -0.7, 0.4), up(0.0, 0.0, 2.5);
   const std::vector<double> times = {0.15, 0.5};
   for (const auto& [name, values] :
-       {std::pair{"kirchhoff_body", kirchhoff}, std::pair{"coefficient_body", blimp}}) {
+       {std::pair{"kirchhoff_body", kirchhoff}, std::pair{"coefficient_body", blimp},
+        std::pair{"immersed_body", lopsided}}) {
     INFO(name);
     const Eigen::MatrixXd still = states_of(name, joined(values, {{"g", 9.81 + up.z()}}), times);
     // The same velocity relative to the fluid at the start.

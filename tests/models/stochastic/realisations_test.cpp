@@ -44,6 +44,27 @@ ParametricModel plate() {
           {}};
 }
 
+/// Its flow comes from angles on both sides of 45 degrees.
+ParametricModel blimp() {
+  return {find_model("coefficient_body_in_gusts"),
+          {{"mass", 0.16},
+           {"displaced_mass", 0.15},
+           {"I_x", 0.03},
+           {"I_y", 0.015},
+           {"I_z", 0.01},
+           {"area", 0.25},
+           {"Cd0", 0.24},
+           {"Cla", 2.9},
+           {"Csb", -2.1},
+           {"Cmya", 0.09},
+           {"K1", -0.05},
+           {"K2", -0.026},
+           {"K3", -0.014},
+           {"ux(0)", 0.6},
+           {"uz(0)", 0.5}},
+          {}};
+}
+
 std::shared_ptr<const AirSource> breeze(std::uint64_t seed = 7) {
   return fluid_seen_in(uniform_turbulence(0.1, 0.2, {0.5, 0.0, 0.0}), seed, {.C_0 = 6.0, .radius = 0.026});
 }
@@ -149,7 +170,7 @@ TEST_CASE("in still air all realisations are the trajectory of Runge and Kutta")
 }
 
 TEST_CASE("a realisation has the same bits alone, in any pack, on any number of threads and after a resume") {
-  for (const ParametricModel& model : {leaf(), plate()}) {
+  for (const ParametricModel& model : {leaf(), plate(), blimp()}) {
     const auto air = breeze();
     const Ensemble all = realise(model, {}, *air, kTimes, {.realisations = 600, .threads = 1, .keep = 600});
     CHECK(same_bits(all, realise(model, {}, *air, kTimes, {.realisations = 600, .threads = 2, .keep = 600})));

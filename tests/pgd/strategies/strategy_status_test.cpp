@@ -8,6 +8,7 @@
 #include "../slab_systems.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/evolution/polynomial_system.h"
+#include "samara/pgd/nonlinear/piecewise_linear_system.h"
 #include "samara/pgd/nonlinear/strategy_trial.h"
 
 using namespace samara::pgd;
@@ -228,6 +229,18 @@ TEST_CASE("an iteration with a rough source is never the last, however small its
   CAPTURE(result.message);
   CHECK(result.status == samara::Termination::converged);
   CHECK(std::abs(result.value_at(std::vector{1.0, 0.7})[0] - 0.7) <= 1e-4);
+}
+
+TEST_CASE("slopes in a parameter are taken by steps of its own size, wherever the points are") {
+  const slab_systems::System root(
+      1, [](const Vector&, const Vector& q) { return Vector(q.cwiseSqrt()); },
+      [](const Vector&, const Vector&) { return Matrix(Matrix::Zero(1, 1)); });
+  // One point; the parameter has a range among training states, or is the same for all.
+  for (const double other : {3e-6, 1e-6}) {
+    const TrainingStates training{Vector::Zero(2), Matrix::Zero(1, 2), Eigen::RowVector2d(1e-6, other)};
+    const PiecewiseLinearSystem linear(root, training, 1);
+    CHECK(linear.source(1)(0, 0) == Approx(500.0).epsilon(1e-5));
+  }
 }
 
 TEST_CASE("training trajectories that end too early are a status of the march, not a caller's mistake") {
