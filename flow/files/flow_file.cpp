@@ -341,14 +341,12 @@ StoredFlow load_flow(const std::filesystem::path& path) {
   s.title = file.text_attribute("/", "title");
   s.plan = file.text_attribute("/plan", "text");
   s.generator = file.text_attribute("/provenance", "generator");
-  const auto finite = [&](const char* group, const char* name) {
-    const double value = file.number_attribute(group, name);
-    if (std::isfinite(value)) return value;
-    throw file.error(group, fmt::format("has the attribute {} of {}, expected a finite number", name, value));
-  };
-  visit_numbers(s, [&](const char* group, const char* name, double& value) { value = finite(group, name); });
-  if (file.has_attribute("/loads", "C_D_half_width")) s.drag_half_width = finite("/loads", "C_D_half_width");
-  if (file.has_attribute("/plan", "intensity")) s.intensity = finite("/plan", "intensity");
+  visit_numbers(s, [&](const char* group, const char* name, double& value) {
+    value = file.finite_attribute(group, name);
+  });
+  if (file.has_attribute("/loads", "C_D_half_width"))
+    s.drag_half_width = file.finite_attribute("/loads", "C_D_half_width");
+  if (file.has_attribute("/plan", "intensity")) s.intensity = file.finite_attribute("/plan", "intensity");
   s.checks.clipped_cells = static_cast<long>(file.integer_attribute("/checks", "clipped_cells"));
   s.checks.guarded_cells = static_cast<long>(file.integer_attribute("/checks", "guarded_cells"));
   s.checks.unconverged = static_cast<long>(file.integer_attribute("/checks", "unconverged"));

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -137,6 +139,21 @@ void add_profiles(const models::TrajectoryFamily& family, const FitProblem& prob
   result.evaluations += std::accumulate(evaluations.begin(), evaluations.end(), 0L);
 }
 
+std::string describe_unsettled(const Posterior& posterior) {
+  const auto& unknowns = posterior.unknowns;
+  // NaN, of chains that never moved, is worse than any number.
+  const auto worst = std::ranges::max_element(unknowns, {}, [](const PosteriorUnknown& u) {
+    return std::isnan(u.rhat) ? std::numeric_limits<double>::infinity() : u.rhat;
+  });
+  const auto fewest = std::ranges::min_element(unknowns, {}, &PosteriorUnknown::effective);
+  return fmt::format(
+      "the posterior is not settled: R-hat of {} is {} (1.01 or less was expected), {} has {:.0f} "
+      "effective draws (400 or more), and {} proposals diverged (none): more samples or priors are "
+      "needed",
+      worst->name, std::isnan(worst->rhat) ? "none" : fmt::format("{:.3f}", worst->rhat), fewest->name,
+      fewest->effective, posterior.divergences);
+}
+
 void add_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,
                    const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const Uncertainty& uncertainty, const FitOptions& options, FitResult& result) {
@@ -150,16 +167,7 @@ void add_posterior(const models::TrajectoryFamily& family, const FitProblem& pro
   result.posterior = std::move(*drawn);
   result.evaluations += result.posterior->evaluations;
   if (result.posterior->is_settled()) return;
-  const auto& unknowns = result.posterior->unknowns;
-  const auto worst = std::ranges::max_element(unknowns, {}, &PosteriorUnknown::rhat);
-  const auto fewest = std::ranges::min_element(unknowns, {}, &PosteriorUnknown::effective);
-  result.warnings.add(
-      WarningKind::errors,
-      fmt::format(
-          "the posterior is not settled: R-hat of {} is {:.3f} (1.01 or less was expected), {} has {:.0f} "
-          "effective draws (400 or more), and {} proposals diverged (none): more samples or priors are "
-          "needed",
-          worst->name, worst->rhat, fewest->name, fewest->effective, result.posterior->divergences));
+  result.warnings.add(WarningKind::errors, describe_unsettled(*result.posterior));
 }
 
 void add_profile_warnings(FitResult& result) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "samara/identification/problem/fit_problem.h"
@@ -29,6 +30,9 @@ void add_profiles(const models::TrajectoryFamily& family, const FitProblem& prob
 void add_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,
                    const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const Uncertainty& uncertainty, const FitOptions& options, FitResult& result);
+
+/// What is wrong with the draws of a posterior that is not settled, the worst unknowns by name.
+std::string describe_unsettled(const Posterior& posterior);
 
 /// Profiles that say otherwise than the standard errors. Needs the profiles.
 void add_profile_warnings(FitResult& result);

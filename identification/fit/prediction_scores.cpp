@@ -95,17 +95,19 @@ class Tallies {
     if (is_last) last_[quantity * predictors_ + predictor].add_forecast(part, measured, cluster);
   }
 
+  /// @param file of the capture
   /// @param capture whose they are; empty: of all
-  void add_scores(const std::string& capture, std::vector<PredictionScore>& scores) const {
+  void add_scores(const std::string& file, const std::string& capture,
+                  std::vector<PredictionScore>& scores) const {
     for (std::size_t first = 0; first < all_.size(); first += predictors_) {
       for (const auto& tallies : {last_, all_})
-        add_group(capture, std::span(tallies).subspan(first, predictors_), scores);
+        add_group(file, capture, std::span(tallies).subspan(first, predictors_), scores);
     }
   }
 
  private:
-  static void add_group(const std::string& capture, std::span<const PredictionTally> tallies,
-                        std::vector<PredictionScore>& scores) {
+  static void add_group(const std::string& file, const std::string& capture,
+                        std::span<const PredictionTally> tallies, std::vector<PredictionScore>& scores) {
     std::vector<PredictionScore> group;
     double least = std::numeric_limits<double>::infinity();
     // One that gives no forecast where others do may have left out what is hard: the best is one of those that give
@@ -115,6 +117,7 @@ class Tallies {
     for (const PredictionTally& tally : tallies) {
       PredictionScore score = tally.score();
       score.capture = capture;
+      score.file = file;
       // Only where sensors measure it, or something is up, or captures have trained it is there such a predictor.
       if (score.count > 0 || is_always_there(score.predictor)) group.push_back(score);
       if (score.count > 0 && score.count == most) least = std::min(least, score.median);
@@ -331,8 +334,9 @@ Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePredi
     tally(one, predictors, compared, prediction, tallies);
   }
   Scores scores;
-  all.add_scores("", scores.all);
-  for (const auto& [motion, of_motion] : motions) of_motion.add_scores(motion.second, scores.by_capture);
+  all.add_scores("", "", scores.all);
+  for (const auto& [motion, of_motion] : motions)
+    of_motion.add_scores(motion.first, motion.second, scores.by_capture);
   return scores;
 }
 

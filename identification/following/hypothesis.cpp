@@ -67,7 +67,7 @@ HypothesisFilter::HypothesisFilter(const FollowedModel& model)
   by_errors_.setZero(rows, errors);
   for (Eigen::MatrixXd* matrix : {&cross_, &gain_}) matrix->setZero(rows, errors);
   innovation_covariance_.setZero(rows, rows);
-  llt_ = Eigen::LLT<Eigen::MatrixXd>(rows);
+  llt_.compute(Eigen::MatrixXd::Identity(rows, rows));  // memory for all that follow
 }
 
 void HypothesisFilter::set_interval(double interval) {

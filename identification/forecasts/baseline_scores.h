@@ -90,6 +90,7 @@ std::vector<double> turn_distances(const Eigen::MatrixX4d& predicted, const Eige
 /// Distances of one predictor, from one or many captures, as statistics.
 struct PredictionScore {
   std::string capture = {};    ///< the one whose distances these are; empty: all of them together
+  std::string file = {};       ///< of the capture: others may have its id; empty of all together
   std::string predictor = {};  ///< "model", "straight line", ..
   std::string quantity = {};   ///< what was compared, with the horizon: "position, 0.1 s ahead"
   std::string unit = "m";

@@ -7,7 +7,8 @@
 /// Mixtures of normal distributions as a mean and a band, number by number.
 namespace samara::identification {
 
-/// Where forecasts lie, times x outputs; NaN where a forecast says nothing.
+/// Where forecasts lie, times x outputs; NaN where a forecast says nothing. A certain one (variance 0) has a band of no
+/// width.
 struct ForecastBand {
   Eigen::MatrixXd mean = {}, lower = {}, upper = {};
 };
@@ -15,10 +16,5 @@ struct ForecastBand {
 /// @param probability that a value lies in the band; as much lies below as above it
 /// @throws ArgumentError for a probability that is not between 0 and 1
 ForecastBand band_of(const Forecast& forecast, double probability = 0.9);
-
-/// The point below which a mixture has that much of its probability, by bisection.
-/// @param weights of any sum but 0, @param deviations positive
-double mixture_quantile(const Eigen::VectorXd& weights, const Eigen::VectorXd& means,
-                        const Eigen::VectorXd& deviations, double probability);
 
 }  // namespace samara::identification

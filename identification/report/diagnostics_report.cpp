@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <set>
 #include <span>
 
 #include <fmt/format.h>
@@ -88,7 +90,10 @@ Json json_of(const PredictionScore& p) {
                  {"coverage90_error", number(p.coverage90_error)},
                  {"behind_best", number(p.behind_best)},
                  {"behind_best_error", number(p.behind_best_error)}};
-  if (!p.capture.empty()) object["capture"] = p.capture;
+  if (!p.capture.empty()) {
+    object["capture"] = p.capture;
+    object["file"] = p.file;
+  }
   return object;
 }
 
@@ -157,13 +162,14 @@ void add_posterior_text(const FitResult& result, std::back_insert_iterator<std::
   const Posterior& posterior = *result.posterior;
   double rhat = 0.0, effective = posterior.unknowns.front().effective;
   for (const PosteriorUnknown& u : posterior.unknowns) {
-    rhat = std::max(rhat, u.rhat);
+    if (!std::isnan(rhat) && !(u.rhat <= rhat)) rhat = u.rhat;  // NaN, of chains that never moved, stays
     effective = std::min(effective, u.effective);
   }
   fmt::format_to(out,
-                 "posterior: {} draws in {} chains, R-hat at most {:.3f}, {:.0f} effective draws or more, {} "
+                 "posterior: {} draws in {} chains, R-hat at most {}, {:.0f} effective draws or more, {} "
                  "divergences\n",
-                 posterior.draws.rows(), posterior.chains, rhat, effective, posterior.divergences);
+                 posterior.draws.rows(), posterior.chains,
+                 std::isnan(rhat) ? "none" : fmt::format("{:.3f}", rhat), effective, posterior.divergences);
   for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
     const PosteriorUnknown& u = posterior.unknowns[k];
     fmt::format_to(out, "  {}: {:.5g}, 95 % from {:.5g} to {:.5g}\n", u.name, u.median, u.lower, u.upper);
@@ -187,7 +193,7 @@ std::vector<std::span<const PredictionScore>> groups_of(const std::vector<Predic
   for (std::size_t first = 0; first < scores.size();) {
     std::size_t end = first;
     while (end < scores.size() && scores[end].quantity == scores[first].quantity &&
-           scores[end].capture == scores[first].capture)
+           scores[end].capture == scores[first].capture && scores[end].file == scores[first].file)
       ++end;
     groups.push_back(std::span(scores).subspan(first, end - first));
     first = end;
@@ -212,17 +218,22 @@ std::string better_baseline(std::span<const PredictionScore> group) {
                      best->predictor, model.quantity, best->median, unit, model.median, unit);
 }
 
-/// A row a capture and quantity.
+/// A row a capture and quantity; with the file of the capture where others have its id.
 void add_capture_predictions(const FitResult& result, std::back_insert_iterator<std::string> out) {
   const auto groups = groups_of(result.capture_predictions);
   if (groups.empty()) return;
+  std::map<std::string, std::set<std::string>> files;  // of each id
+  for (const auto& group : groups) files[group.front().capture].insert(group.front().file);
+  const auto name_of = [&](const PredictionScore& p) {
+    return files.at(p.capture).size() < 2 ? p.capture : fmt::format("{} ({})", p.capture, p.file);
+  };
   std::size_t longest = 20;
-  for (const auto& group : groups) longest = std::max(longest, group.front().capture.size());
+  for (const auto& group : groups) longest = std::max(longest, name_of(group.front()).size());
   fmt::format_to(out, "\n{:<{}}  {:<42}", "median of capture", longest, "prediction of");
   for (const PredictionScore& p : groups.front()) fmt::format_to(out, "  {:>21}", p.predictor);
   fmt::format_to(out, "\n");
   for (const auto& group : groups) {
-    fmt::format_to(out, "{:<{}}  {:<42}", group.front().capture, longest,
+    fmt::format_to(out, "{:<{}}  {:<42}", name_of(group.front()), longest,
                    with_unit(group.front().quantity, group.front().unit));
     for (const PredictionScore& first : groups.front()) {
       const auto p = std::ranges::find(group, first.predictor, &PredictionScore::predictor);

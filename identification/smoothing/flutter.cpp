@@ -7,10 +7,10 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
-#include <fmt/format.h>
 
-#include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/identification/smoothing/medians.h"
+#include "samara/identification/smoothing/smoothing_checks.h"
 
 namespace samara::identification {
 
@@ -57,10 +57,7 @@ struct Seen {
 };
 
 Seen seen_frames(const Eigen::VectorXd& times, const Eigen::MatrixX3d& positions) {
-  if (times.size() != positions.rows()) {
-    throw ArgumentError(fmt::format("there are {} positions for {} times; one for each was expected",
-                                    positions.rows(), times.size()));
-  }
+  check_times(times, positions.rows());
   std::vector<Eigen::Index> rows;
   for (Eigen::Index k = 0; k < times.size(); ++k) {
     if (positions.row(k).allFinite()) rows.push_back(k);
@@ -103,12 +100,14 @@ std::optional<Flutter> flutter(const Eigen::VectorXd& times, const Eigen::Matrix
 
 std::optional<Flutter> typical_flutter(const Eigen::VectorXd& times, const Eigen::MatrixX3d& positions,
                                        double part) {
+  require_positive(part, "part [s]", "typical_flutter");
+  check_times(times, positions.rows());
   std::vector<double> speeds;
   std::vector<double> frequencies;
   std::vector<double> amplitudes;
   const double interval = median_interval(times);
   for (Eigen::Index first = 0; first < times.size();) {
-    Eigen::Index count = 0;
+    Eigen::Index count = 1;
     while (first + count < times.size() && times[first + count] < times[first] + part) ++count;
     const bool is_whole = times[first + count - 1] > times[first] + part - 1.5 * interval;
     if (const auto one = flutter(times.segment(first, count), positions.middleRows(first, count));

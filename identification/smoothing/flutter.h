@@ -21,11 +21,12 @@ struct Flutter {
 /// @param times s, increasing
 /// @param positions frames x (x, y, z), m, z up; frames with NaN are left out
 /// @returns nothing for fewer than 12 frames
-/// @throws ArgumentError for sizes that differ.
+/// @throws ArgumentError for sizes that differ, and times that are not finite or do not increase.
 std::optional<Flutter> flutter(const Eigen::VectorXd& times, const Eigen::MatrixX3d& positions);
 
 /// Medians over parts of so many seconds, one after the other.
 /// @returns nothing if no part has enough frames
+/// @throws ArgumentError as flutter(), and for a part that is not positive
 std::optional<Flutter> typical_flutter(const Eigen::VectorXd& times, const Eigen::MatrixX3d& positions,
                                        double part);
 

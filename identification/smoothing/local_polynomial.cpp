@@ -251,6 +251,8 @@ void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Index coordina
   if (!weigh((lengths <= limit).cast<double>())) return;
   judge_ends_from_inside(frames, chart, judge(false).second, limit);
   weigh((judge(false).first <= limit).cast<double>());
+  // Nor where a polynomial would go through all that are left: they would seem to have no noise.
+  if ((frames.weights.array() > 0.0).count() < frames.degree + 2) frames.weights.setOnes();
 }
 
 double residual_noise(const LocalFrames& frames, const LocalChart& chart, Index coordinates) {

@@ -59,7 +59,7 @@ struct RobustOptions {
 };
 
 /// Sets the weights to 0 for outliers and to 1 for others: see smoothing.h. Where more than half would be
-/// outliers, to 1.
+/// outliers, or fewer than degree + 2 frames were left, to 1.
 void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Eigen::Index coordinates,
                     const RobustOptions& options);
 

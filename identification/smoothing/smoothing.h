@@ -15,7 +15,7 @@
 /// Outliers get no weight: frames whose distance from the polynomial through their *neighbours* is more than
 /// `outlier_threshold` times its standard deviation. They are found by iterated reweighting (Cleveland 1979,
 /// here with residuals of the frame left out, and from a start of least absolute residuals). Where more than
-/// half of the frames would be outliers none is.
+/// half of the frames would be outliers, or fewer than degree + 2 were left, none is.
 ///
 /// What the standard errors mean: noise of one size over the frames, independent from frame to frame unless
 /// `averaged_frames` says otherwise, carried through the fit. They do not know what a polynomial of this

@@ -143,12 +143,6 @@ void write_graph(io::Hdf5Writer& file, const MotionGraph& graph) {
   file.write_matrix("/threshold_curve", curve);
 }
 
-double finite_attribute(const io::Hdf5Reader& file, const std::string& object, const std::string& name) {
-  const double value = file.number_attribute(object, name);
-  if (std::isfinite(value)) return value;
-  throw file.error(object, fmt::format("has the attribute {} of {}, expected a finite number", name, value));
-}
-
 void read_head(const io::Hdf5Reader& file, MotionDatabase& database) {
   database.model = file.text_attribute("/", "model");
   const std::string symmetry = file.text_attribute("/", "symmetry");
@@ -156,21 +150,21 @@ void read_head(const io::Hdf5Reader& file, MotionDatabase& database) {
   if (known == symmetry_names().end())
     throw file.error("/", fmt::format("the attribute symmetry is \"{}\", which is none", symmetry));
   database.symmetry = static_cast<BodySymmetry>(known - symmetry_names().begin());
-  database.step = finite_attribute(file, "/", "step");
-  database.frame_interval = finite_attribute(file, "/", "frame_interval");
-  database.settle = finite_attribute(file, "/", "settle");
-  database.body_length = finite_attribute(file, "/", "body_length");
+  database.step = file.finite_attribute("/", "step");
+  database.frame_interval = file.finite_attribute("/", "frame_interval");
+  database.settle = file.finite_attribute("/", "settle");
+  database.body_length = file.finite_attribute("/", "body_length");
   const std::vector<std::string> plan = file.texts("/plan");
   if (plan.size() != 1) throw file.error("/plan", "is not one text");
   database.plan_text = plan.front();
   database.state_names = file.texts("/state_names");
   for (const std::string& name : file.texts("/fixed_names"))
-    database.fixed[name] = finite_attribute(file, "/fixed", name);
-  database.events.mean_square_speed = finite_attribute(file, "/events", "mean_square_speed");
-  database.events.prominence = finite_attribute(file, "/events", "prominence");
-  database.events.turn = finite_attribute(file, "/events", "turn");
-  database.events.shortest = finite_attribute(file, "/events", "shortest");
-  database.events.steady = finite_attribute(file, "/events", "steady");
+    database.fixed[name] = file.finite_attribute("/fixed", name);
+  database.events.mean_square_speed = file.finite_attribute("/events", "mean_square_speed");
+  database.events.prominence = file.finite_attribute("/events", "prominence");
+  database.events.turn = file.finite_attribute("/events", "turn");
+  database.events.shortest = file.finite_attribute("/events", "shortest");
+  database.events.steady = file.finite_attribute("/events", "steady");
 }
 
 void read_runs(const io::Hdf5Reader& file, MotionDatabase& database) {

@@ -10,6 +10,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
+#include "samara/base/unit_labels.h"
 #include "samara/motion/events/event_finder.h"
 #include "samara/motion/ghost/bounded_quadratic.h"
 #include "samara/motion/records/motion_record.h"
@@ -330,10 +331,10 @@ GhostForce ghost_force(const models::ParametricModel& model, const PosePath& pat
   finish(result.declared);
   if (!(result.declared.force_sizes.rms < kMostWeights && result.declared.torque_sizes.rms < kMostWeights)) {
     throw ArgumentError(fmt::format(
-        "the path of {} frames in {:.3g} {} takes forces and torques of {:.0e} net weights or more, expected "
+        "the path of {} frames in {:.3g}{} takes forces and torques of {:.0e} net weights or more, expected "
         "times and lengths in the units that its columns name",
         path.times.size(), path.times[path.times.size() - 1] - path.times[0],
-        models::time_unit(model.model().info()), kMostWeights));
+        unit_suffix(models::time_unit(model.model().info())), kMostWeights));
   }
   if (path.times.size() >= kFewestFrames) {
     result.noise = body.noise();

@@ -46,7 +46,7 @@ struct SegmentAgreement {
 /// @param length m, of the body; 0: not known
 /// @throws InputError with the line of a segment that was read, of others ArgumentError: for one of an
 /// unknown capture (the nearest is named), of several, or beyond its frames, and for a word that stands for
-/// nothing; as record_of() of a capture.
+/// nothing; as record_of() of a capture; ArgumentError for a pattern that two words stand for.
 SegmentAgreement compare(const std::vector<LabelledSegment>& segments,
                          const std::vector<identification::Capture>& captures,
                          const PatternClasses& classes = {}, double length = 0.0,

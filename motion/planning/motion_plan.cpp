@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
@@ -17,6 +16,7 @@
 #include "samara/motion/planning/book_tangents.h"
 #include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/segment_choices.h"
+#include "samara/motion/sweeps/plan_numbers.h"
 
 namespace samara::motion {
 
@@ -84,11 +84,6 @@ class PlanReader {
     for (const auto& [name, unit] : units_) known.push_back(name);
     throw table.error(key, fmt::format("the model has no parameter or initial value of this name{}",
                                        suggestion(key, known)));
-  }
-
-  static double in_size(const TomlTable& table, const std::string& key, double value) {
-    if (std::abs(value) <= kLargestInput) return value;
-    throw table.error(key, fmt::format("is {}, expected at most {} in size", value, kLargestInput));
   }
 
   void read_body() {

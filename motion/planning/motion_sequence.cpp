@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,7 @@ struct NamedChain {
 };
 
 constexpr std::int64_t kMostSegments = 100'000;
+constexpr std::int64_t kMostWindows = 10'000'000;  // of films that a chain is fitted to
 
 /// The falls of a database with one pattern, as sequences of kinds.
 std::vector<std::vector<int>> kinds_of_pattern(const MotionDatabase& database, Pattern pattern) {
@@ -44,7 +46,7 @@ std::vector<std::vector<int>> kinds_of_pattern(const MotionDatabase& database, P
 }
 
 NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& file) {
-  std::vector<std::vector<std::string>> words;
+  std::vector<std::vector<std::pair<std::string, std::size_t>>> words;  // each with its steps
   bool is_of_places = true;
   double steps = 0.0;
   for (const nlohmann::json& capture : answer.at("captures")) {
@@ -55,35 +57,39 @@ NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& fil
       if (pattern == "unresolved") continue;
       // Equal neighbours are merged there, and steps here.
       const double count = window.value("windows", 1.0);
+      if (!(count >= 1.0) || count != std::floor(count))
+        throw InputError(
+            file,
+            fmt::format("a window of its captures counts for {}, expected whole numbers from 1 on", count));
       steps += count;
-      if (!(count >= 1.0) || count != std::floor(count) || !(steps <= kMostSegments))
-        throw InputError(file, fmt::format("a window of its captures counts for {}, expected whole numbers "
-                                           "from 1 on, and in all at most {}",
-                                           count, kMostSegments));
-      words.back().insert(words.back().end(), static_cast<std::size_t>(count), pattern);
+      if (steps > static_cast<double>(kMostWindows))
+        throw InputError(
+            file, fmt::format("windows of its captures count for {} or more in all, expected at most {}",
+                              steps, kMostWindows));
+      words.back().emplace_back(pattern, static_cast<std::size_t>(count));
     }
   }
   std::vector<std::string> symbols;
   for (const std::string& pattern : pattern_names()) {
-    const bool was_seen = std::ranges::any_of(words, [&](const std::vector<std::string>& one) {
-      return std::ranges::find(one, pattern) != one.end();
+    const bool was_seen = std::ranges::any_of(words, [&](const auto& one) {
+      return std::ranges::any_of(one, [&](const auto& word) { return word.first == pattern; });
     });
     if (was_seen) symbols.push_back(pattern);
   }
   if (symbols.empty())
     throw InputError(file, "no window of its captures has a pattern, expected one or more");
   std::vector<std::vector<int>> sequences;
-  for (const std::vector<std::string>& one : words) {
+  for (const auto& one : words) {
     sequences.emplace_back();
-    for (const std::string& word : one) {
+    for (const auto& [word, count] : one) {
       const auto found = std::ranges::find(symbols, word);
       if (found == symbols.end())
         throw InputError(file, fmt::format("\"{}\" is no pattern, expected one of {}", word, join(symbols)));
-      sequences.back().push_back(static_cast<int>(found - symbols.begin()));
+      sequences.back().insert(sequences.back().end(), count, static_cast<int>(found - symbols.begin()));
     }
   }
-  const int count = static_cast<int>(symbols.size());
-  return {std::move(symbols), MarkovChain::fitted(sequences, count, 1), is_of_places};
+  const int size = static_cast<int>(symbols.size());
+  return {std::move(symbols), MarkovChain::fitted(sequences, size, 1), is_of_places};
 }
 
 NamedChain chain_of_counts(const nlohmann::json& object, const std::string& file) {

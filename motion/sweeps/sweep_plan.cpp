@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/book/sobol_points.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/plan_numbers.h"
 
 namespace samara::motion {
 
@@ -54,25 +54,20 @@ std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
   }
 }
 
-double in_size(const TomlTable& table, const std::string& key, double value) {
-  if (std::abs(value) <= kLargestInput) return value;
-  throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargestInput));
-}
-
 /// { from = .., to = .., count = .. } or a list of values.
 SweepAxis read_axis(const TomlTable& axes, const std::string& key, const std::string& unit, bool sampled) {
   SweepAxis axis;
   axis.name = key;
   axis.unit = unit;
   if (!axes.is_table(key)) {
-    axis.values = axes.quantities(key, unit);
+    const std::vector<double> values = axes.quantities(key, unit);
     if (sampled) throw axes.error(key, "is a list of values, expected from and to beside [sample]");
-    if (axis.values.empty()) throw axes.error(key, "has no values, expected at least one");
-    for (std::size_t k = 0; k < axis.values.size(); ++k) {
-      in_size(axes, key, axis.values[k]);
-      if (k > 0 && !(axis.values[k] > axis.values[k - 1]))
-        throw axes.error(key, fmt::format("has the value {} after {}, expected them to increase",
-                                          axis.values[k], axis.values[k - 1]));
+    if (values.empty()) throw axes.error(key, "has no values, expected at least one");
+    for (const double value : values) {
+      if (!axis.values.empty() && !(value > axis.values.back()))
+        throw axes.error(key, fmt::format("has the value {} after {}, expected them to increase", value,
+                                          axis.values.back()));
+      axis.values.push_back(in_size(axes, key, value));
     }
     axis.lower = axis.values.front();
     axis.upper = axis.values.back();
@@ -80,10 +75,8 @@ SweepAxis read_axis(const TomlTable& axes, const std::string& key, const std::st
   }
   const TomlTable table = axes.table(key);
   table.expect_keys({"from", "to", "count"});
-  axis.lower = table.quantity("from", unit);
-  axis.upper = table.quantity("to", unit);
-  in_size(table, "from", axis.lower);
-  in_size(table, "to", axis.upper);
+  axis.lower = in_size(table, "from", table.quantity("from", unit));
+  axis.upper = in_size(table, "to", table.quantity("to", unit));
   if (!(axis.lower < axis.upper))
     throw axes.error(key, fmt::format("goes from {} to {}, expected from < to", axis.lower, axis.upper));
   if (sampled) {
@@ -137,11 +130,8 @@ void read_releases(const TomlTable& root, SweepPlan& plan) {
   if (tilts.empty() || axes.empty())
     throw table->error("tilt", "or axis has no values, expected at least one");
   for (const double axis : axes) {
-    for (const double tilt : tilts) {
-      in_size(*table, "tilt", tilt);
-      in_size(*table, "axis", axis);
-      plan.releases.push_back({tilt, axis});
-    }
+    for (const double tilt : tilts)
+      plan.releases.push_back({in_size(*table, "tilt", tilt), in_size(*table, "axis", axis)});
   }
 }
 
@@ -262,10 +252,8 @@ SweepPlan plan_of(const TomlTable& root, const std::string& text) {
   plan.model = read_model(root);
   const auto units = settable(plan.model->info());
   if (const auto fixed = root.optional_table("fixed")) {
-    for (const std::string& key : fixed->keys()) {
-      plan.fixed[key] = fixed->quantity(key, unit_of(*fixed, key, units));
-      in_size(*fixed, key, plan.fixed[key]);
-    }
+    for (const std::string& key : fixed->keys())
+      plan.fixed[key] = in_size(*fixed, key, fixed->quantity(key, unit_of(*fixed, key, units)));
   }
   read_axes(root, units, plan);
   read_releases(root, plan);

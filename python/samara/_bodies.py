@@ -25,6 +25,20 @@ def _number(value: Any, what: str) -> int:
     return number
 
 
+def _chosen(bodies: ArrayLike, count: int) -> NDArray[Any]:
+    """Numbers of bodies, given as such or as a mask of all."""
+    chosen: NDArray[Any] = np.atleast_1d(np.asarray(bodies))
+    if chosen.dtype == bool:
+        if chosen.shape != (count,):
+            raise ArgumentError(f"bodies are a mask of the shape {chosen.shape}, expected ({count},)")
+        return np.flatnonzero(chosen)
+    if chosen.size == 0:
+        return np.arange(0)
+    if chosen.dtype.kind not in "iu":
+        raise ArgumentError(f"bodies are of the type {chosen.dtype}, expected whole numbers or a mask")
+    return chosen
+
+
 class Motions:
     """The falls of a sweep, cut at their events: what ``samara database`` makes.
 
@@ -97,9 +111,9 @@ class Bodies:
         self.count = count
 
     def release(self, places: ArrayLike, yaw: ArrayLike = 0.0, bodies: Optional[ArrayLike] = None) -> None:
-        """Lets bodies go, moving as if they had fallen for a while: all, or those of these numbers. ``places`` (3,) or
-        (bodies, 3), m, z up; ``yaw`` about the vertical, rad."""
-        numbers = np.arange(self.count) if bodies is None else np.atleast_1d(np.asarray(bodies, dtype=np.int64))
+        """Lets bodies go, moving as if they had fallen for a while: all, or those of these numbers or of a mask (count,).
+        ``places`` (3,) or (bodies, 3), m, z up; ``yaw`` about the vertical, rad."""
+        numbers = np.arange(self.count) if bodies is None else _chosen(bodies, self.count)
         where = np.broadcast_to(real_array(places, "places"), (len(numbers), 3))
         turned = np.broadcast_to(real_array(yaw, "yaw"), (len(numbers),))
         for number, place, angle in zip(numbers, where, turned):

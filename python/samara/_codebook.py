@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _html, _labels
 from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, Piece, Statistics, certificate_of
 from ._errors import ArgumentError
-from ._units import Quantity, as_mapping, names_in, one_si, real_array, stacked, to_si, whole
+from ._units import Quantity, as_mapping, names_in, one_difference, one_si, real_array, stacked, to_si, whole
 
 Precision = Literal["double", "single", "auto"]
 Points = Union[Mapping[str, Quantity], ArrayLike]
@@ -270,7 +270,8 @@ class Codebook:
                 raise ArgumentError(f"{name} is {given!r}, expected such as ('normal', 1.1, 0.05)")
             kind, first, second = given
             unit = units.get(name, "1")
-            found[name] = (str(kind), one_si(first, unit, name), one_si(second, "1" if kind == "lognormal" else unit, name))
+            read_second = one_difference if kind == "normal" else one_si
+            found[name] = (str(kind), one_si(first, unit, name), read_second(second, "1" if kind == "lognormal" else unit, name))
         return found
 
     def _held(self, fixed: Mapping[str, Quantity]) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Optional
 
 import numpy as np
@@ -37,6 +37,15 @@ def one_si(value: Quantity, unit: str, what: str) -> float:
     return float(array.reshape(()))
 
 
+def one_difference(value: Quantity, unit: str, what: str) -> float:
+    """The same of what lies between two values, such as a deviation: "20 degC" is none."""
+    if not isinstance(value, str):
+        value = np.asarray(value)
+        if value.dtype.kind in "USO" and value.size == 1:
+            value = value.reshape(()).item()
+    return _si(value, unit, what, _core.difference_si) if isinstance(value, str) else one_si(value, unit, what)
+
+
 def _number(value: Any, what: str) -> float:
     try:
         return float(value)
@@ -61,9 +70,9 @@ def names_in(given: Any, what: str) -> list[str]:
     return list(names)
 
 
-def _si(text: str, unit: str, what: str) -> float:
+def _si(text: str, unit: str, what: str, reader: Callable[[str, str], float] = _core.si) -> float:
     try:
-        return _core.si(text, unit)
+        return reader(text, unit)
     except ArgumentError as error:
         raise ArgumentError(f"{what}: {error}") from None
 

@@ -44,6 +44,10 @@ double si(const std::string& text, const std::string& unit) {
   return quantity_to_si(text, unit);
 }
 
+double difference_si(const std::string& text, const std::string& unit) {
+  return difference_to_si(text, unit);
+}
+
 /// The unit of SI symbols with the dimension of another one.
 std::string si_unit(const std::string& unit) {
   return to_string(parse_unit(unit).dimension);
@@ -61,6 +65,7 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = samara::version();
   module.def("write_text", &samara::io::write_text_atomically, py::arg("path"), py::arg("text"));
   module.def("si", &si, py::arg("text"), py::arg("unit"));
+  module.def("difference_si", &difference_si, py::arg("text"), py::arg("unit"));
   module.def("si_unit", &si_unit, py::arg("unit"));
   add_codebooks(module);
   add_models(module);

@@ -372,7 +372,7 @@ TEST_CASE(
   };
   CHECK_THAT(error("\"2 degC\""), Contains("fit.toml:4: [series.smoothness] ambient: ") &&
                                       Contains("a difference of temperatures is given in K"));
-  CHECK_THAT(error("0"), Contains("is 0; more than 0 was expected"));
+  CHECK_THAT(error("0"), Contains("is 0 K; more than 0 was expected"));
 }
 
 TEST_CASE("values of a series have names of their own, however long a recording has run") {

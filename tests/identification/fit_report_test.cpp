@@ -116,6 +116,16 @@ TEST_CASE("reports hold the errors from random weights") {
   CHECK_THAT(fit_text(result), Contains("weighted at random: C_D -\n"));
 }
 
+TEST_CASE("an unknown whose chains never moved leaves the text no R-hat") {
+  FitResult result = example();
+  result.posterior = Posterior{.chains = 2,
+                               .unknowns = {{.name = "C_D", .rhat = std::nan(""), .effective = 0.0},
+                                            {.name = "coin 0: v(0)", .rhat = 1.1, .effective = 90.0}}};
+  CHECK_THAT(fit_text(result), Contains("R-hat at most none, 0 effective draws or more"));
+  result.posterior->unknowns[0].rhat = 1.2;
+  CHECK_THAT(fit_text(result), Contains("R-hat at most 1.200, 0 effective draws or more"));
+}
+
 TEST_CASE("the text names the clusters that carry a coefficient almost alone") {
   FitResult result = example();
   Coefficient& c = result.coefficients[0];

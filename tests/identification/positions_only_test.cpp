@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/fitted_motion.h"
 #include "samara/identification/problem/chart.h"
@@ -251,4 +252,18 @@ TEST_CASE("flutter is found in a drifting ellipse") {
   // The second harmonic of the heights leaves 1 mm over 3 s.
   CHECK_THAT(found->fall_speed, WithinAbs(0.041, 3e-4));
   CHECK_FALSE(flutter(times.head(8), positions.topRows(8)));
+}
+
+TEST_CASE("typical flutter refuses parts and times that would never end") {
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(40, 0.0, 1.3);
+  const Eigen::MatrixX3d positions = Eigen::MatrixX3d::Random(40, 3);
+  for (const double part : {0.0, -1.0, std::nan("")})
+    CHECK_THROWS_WITH(typical_flutter(times, positions, part), Catch::Matchers::Contains("part [s] is "));
+  CHECK_THROWS_AS(typical_flutter(times.reverse(), positions, 1.0), samara::ArgumentError);
+  Eigen::VectorXd unknown = times;
+  unknown[20] = std::nan("");
+  CHECK_THROWS_WITH(typical_flutter(unknown, positions, 1.0),
+                    Catch::Matchers::Contains("the time of frame 20 is not finite"));
+  // Shorter than the last digit of a time: a frame each.
+  CHECK_FALSE(typical_flutter(times, positions, 1e-300));
 }

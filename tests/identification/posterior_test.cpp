@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fit_diagnostics.h"
 #include "samara/identification/statistics/chains.h"
 #include "synthetic.h"
 
@@ -121,6 +122,17 @@ TEST_CASE("a posterior of few draws is said not to be settled") {
   const FitResult result = fit(BrakedFamily(), std::vector{noisy_capture(6)}, asking(40));
   CHECK_FALSE(result.posterior->is_settled());
   CHECK_THAT(text_of(result.warnings), Contains("the posterior is not settled"));
+}
+
+TEST_CASE("an unknown whose chains never moved is the worst of a posterior") {
+  Posterior posterior;
+  posterior.unknowns = {{.name = "k", .rhat = 1.2, .effective = 300.0},
+                        {.name = "v(0)", .rhat = std::nan(""), .effective = 0.0},
+                        {.name = "x(0)", .rhat = 1.5, .effective = 200.0}};
+  CHECK_THAT(describe_unsettled(posterior),
+             Contains("R-hat of v(0) is none") && Contains("v(0) has 0 effective"));
+  posterior.unknowns[1].rhat = 1.3;
+  CHECK_THAT(describe_unsettled(posterior), Contains("R-hat of x(0) is 1.500"));
 }
 
 TEST_CASE("independent draws count for themselves, correlated ones for less, and chains apart are seen") {

@@ -16,6 +16,7 @@
 #include "samara/base/streams.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/forecast_comparison.h"
+#include "samara/identification/report/fit_report.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 
@@ -350,4 +351,17 @@ TEST_CASE("captures of one id in several files are scored each by itself") {
   add_predictions(family, left_out, plain(), {.span = 0.6, .ahead = 0.5}, fitted);
   CHECK(fitted.capture_predictions.size() == 2 * fitted.predictions.size());
   for (const PredictionScore& score : fitted.capture_predictions) CHECK(score.captures == 1);
+  // The report has both, and tells them apart.
+  const std::string text = fit_text(fitted), json = fit_json(fitted);
+  for (const char* file : {"day 0.csv", "day 1.csv"}) {
+    CHECK(std::ranges::count(fitted.capture_predictions, file, &PredictionScore::file) ==
+          std::ssize(fitted.predictions));
+    CHECK_THAT(text, Catch::Contains(fmt::format("\ndrop ({})", file)));
+    CHECK_THAT(json, Catch::Contains(fmt::format("\"file\": \"{}\"", file)));
+  }
+  CHECK(std::ranges::count(fitted.predictions, "", &PredictionScore::file) == std::ssize(fitted.predictions));
+  // Ids that are there once stand alone.
+  left_out[1].id = "other drop";
+  add_predictions(family, left_out, plain(), {.span = 0.6, .ahead = 0.5}, fitted);
+  CHECK_THAT(fit_text(fitted), Catch::Contains("\ndrop  ") && !Catch::Contains(".csv)"));
 }

@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
+#include "samara/identification/forecasts/forecast_band.h"
 
 using namespace samara::identification;
 
@@ -154,6 +155,25 @@ TEST_CASE("a forecast of several outputs is scored by the mean over what was mea
   // One that gives no forecast leaves its weight to the other.
   forecast.components[0].mean(1, 1) = kNoValue;
   CHECK(marginal(forecast, 1, 1).weights.isApprox(Eigen::VectorXd::Ones(1)));
+}
+
+TEST_CASE("a certain forecast has a band of no width, and counts beside others") {
+  Forecast forecast{.times = Eigen::VectorXd::Ones(1), .outputs = {"x"}};
+  forecast.components.push_back({1.0, Eigen::MatrixXd::Constant(1, 1, 2.0), {Eigen::MatrixXd::Zero(1, 1)}});
+  const ForecastBand certain = band_of(forecast);
+  CHECK(certain.mean(0, 0) == 2.0);
+  CHECK(certain.lower(0, 0) == 2.0);
+  CHECK(certain.upper(0, 0) == 2.0);
+  forecast.components[0].weight = 0.5;
+  forecast.components.push_back({0.5, Eigen::MatrixXd::Zero(1, 1), {Eigen::MatrixXd::Ones(1, 1)}});
+  const ForecastBand both = band_of(forecast, 0.5);
+  CHECK(both.mean(0, 0) == 1.0);
+  CHECK(both.lower(0, 0) == Approx(0.0).margin(1e-9));  // a quarter: half of the normal
+  CHECK(both.upper(0, 0) == Approx(2.0));               // within the step
+  // What is not known stays silent.
+  forecast.components[0].covariance[0](0, 0) = kNoValue;
+  forecast.components[1].mean(0, 0) = kNoValue;
+  CHECK(std::isnan(band_of(forecast).mean(0, 0)));
 }
 
 TEST_CASE("forecasts that are none are refused with what is wrong") {

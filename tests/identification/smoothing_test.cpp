@@ -307,3 +307,19 @@ TEST_CASE("a noise that is far too small makes no frame an outlier") {
   CHECK_FALSE(smoothed.outlier.any());
   CHECK(smoothed.value.allFinite());
 }
+
+TEST_CASE("outliers that would leave a polynomial through all other frames are none") {
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(8, 0.0, 0.7);
+  Eigen::VectorXd values(8);
+  values << 0.001, 0.0019, -0.561, -0.001, 0.0003, -0.0009, -0.0023, -0.0018;
+  const Smoothed smoothed = smooth(times, values, times, {.degree = 4});
+  CHECK(smoothed.noise[0] > 1e-4);
+  CHECK(smoothed.outlier.count() <= 8 - 6);
+  // Where others are left, the one that is wrong is found.
+  values << 0.001, 0.002, -0.561, -0.001, 0.0, -0.001, -0.002, -0.002;
+  CHECK(smooth(times, values, times, {.degree = 4}).outlier.count() == 1);
+  values.head(5) << 3.0, 5.0, -13.0, 25.0, 2.0;
+  CHECK(
+      smooth(times.head(5), values.head(5), times.head(5), {.degree = 2, .outlier_threshold = 1.0}).noise[0] >
+      1.0);
+}

@@ -194,9 +194,21 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   refuses("events = 2", "expected none here");
   refuses("chain = \"" + film + "\"", "length");
   refuses("chain = \"" + film + "\"\nlength = 60000", "asks for 120000 segments, 2 of each pattern");
-  const std::string endless = named_file("endless.json", R"({"schema": "samara-patterns/1", "captures": [
-          {"id": "a", "windows": [{"pattern": "zigzag", "windows": 2e9}]}]})");
-  refuses("chain = \"" + endless + "\"\nlength = 2", "a window of its captures counts for");
+  const auto film_of = [](const std::string& first, const std::string& second) {
+    return named_file("counted.json",
+                      R"({"schema": "samara-patterns/1", "captures": [
+          {"id": "a", "windows": [{"pattern": "zigzag", "windows": )" +
+                          first + R"(}]}, {"id": "b", "windows": [{"pattern": "chaotic", "windows": )" +
+                          second + "}]}]}");
+  };
+  const auto of_film = [](const std::string& file) { return "chain = \"" + file + "\"\nlength = 2"; };
+  for (const char* count : {"0", "1.5", "-2"})
+    refuses(of_film(film_of("3", count)), std::string("a window of its captures counts for ") + count +
+                                              ", expected whole numbers from 1 on");
+  // It is the sum that is too large, not the window with which it is.
+  refuses(of_film(film_of("10000000", "1")),
+          "windows of its captures count for 10000001 or more in all, expected at most 10000000");
+  CHECK(read_text(of_film(film_of("200000", "1"))).segments.size() == 4);
   refuses("chain = \"" + named_file("odd.json", "{}") + "\"\nlength = 2", "is no chain");
   refuses("chain = \"" + named_file("odd.json", R"({"schema": "samara-chain/1", "symbols": 3})") +
               "\"\nlength = 2",

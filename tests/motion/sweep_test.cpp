@@ -247,6 +247,8 @@ TEST_CASE("plans of sweeps that cannot be meant are refused with their line") {
   CHECK(refusal("inertia_ratio", "inertia_rato").find("did you mean \"inertia_ratio\"") != std::string::npos);
   CHECK(refusal("from = 0.8", "from = 8").find("goes from 8 to 2.4, expected from < to") !=
         std::string::npos);
+  CHECK(refusal("from = 0.8", "from = -1e70")
+            .find("from: has the number -1e+70, expected at most 1e+60 in size") != std::string::npos);
   CHECK(refusal("from = 0.8", "from = -1").find("inertia_ratio") != std::string::npos);
   CHECK(refusal("count = 9", "count = 1").find("is 1, expected 2 to") != std::string::npos);
   CHECK(refusal("count = 9", "count = 9000000").find("expected at most 10000000") != std::string::npos);

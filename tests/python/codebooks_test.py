@@ -134,6 +134,15 @@ def test_statistics_of_distributions_are_those_of_the_command(coin, coin_path):
             coin.sobol(wrong)
 
 
+def test_a_deviation_is_a_difference_of_temperatures():
+    oven = samara.separate(lambda x: x[:, :1] * x[:, 1:], {"a": (250, 700), "b": (0, 1)}, {"u": "K"}, tolerance=1e-6, units={"a": "K"})
+    s = oven.sobol({"a": ("normal", "300 degC", "20 K")}, fixed={"b": 1})
+    np.testing.assert_allclose((s.mean["u"][0], s.deviation["u"][0]), (573.15, 20), rtol=1e-3)
+    for deviation in ("20 degC", np.array("20 degC"), ["20 degC"]):
+        with pytest.raises(samara.ArgumentError, match="a: .*difference of temperatures"):
+            oven.sobol({"a": ("normal", "300 degC", deviation)}, fixed={"b": 1})
+
+
 def ask(book):
     return book.query({"C_D": 1.2, "v(0)": 0.1}, TIMES)
 

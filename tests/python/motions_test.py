@@ -378,6 +378,14 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
     counts = leaves[0].counts
     assert counts["events"] == counts["drawn"] >= counts["planned"] >= counts["kept"] > 0 and 0 < counts["taken"] + counts["redrawn"] <= counts["drawn"]
     np.testing.assert_allclose(positions[:, 2], 0, atol=1e-12)
+    some = samara.Bodies(motions, 5, ground=0)
+    some.release([0, 0, 1], bodies=[])
+    assert some.falling == 0
+    some.release([0, 0, 1], bodies=np.arange(5) >= 3)
+    assert list(some.status) == ["waiting"] * 3 + ["falling"] * 2
+    for wrong, part in [([True, False], "mask of the shape"), ([0.0, 1.0], "of the type float64"), (["1"], "of the type <U1")]:
+        with pytest.raises(samara.ArgumentError, match=part):
+            some.release([0, 0, 1], bodies=wrong)
     with pytest.raises(samara.ArgumentError, match="choice is"):
         samara.Bodies(motions, 3, choice="best")
     with pytest.raises(samara.ArgumentError, match="count of bodies"):
