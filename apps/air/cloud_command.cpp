@@ -340,11 +340,12 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   }
   if (arguments.cloud.json) print(cloud_json(file));
   narrate(cloud_summary(file, layout));
-  if (cloud.count(models::RealisationStatus::not_finite) > 0) return kToleranceMissed;
-  if (cloud.cancelled && std::filesystem::exists(arguments.output + ".checkpoint"))
+  if (!cloud.cancelled)
+    return cloud.count(models::RealisationStatus::not_finite) > 0 ? kToleranceMissed : kDone;
+  if (!arguments.output.empty() && std::filesystem::exists(arguments.output + ".checkpoint"))
     narrate(
         fmt::format("{}.checkpoint keeps what is done: the same line goes on from there", arguments.output));
-  return cloud.cancelled ? kInterrupted : kDone;
+  return kInterrupted;
 }
 
 }  // namespace samara::apps

@@ -51,10 +51,12 @@ wind::SeriesOptions series_options(const WindArguments& arguments, const codeboo
   options.step = positive_time("--step", arguments.step, options.step);
   const double duration = positive_time("--until", arguments.until, 600.0);
   const double samples = std::round(duration / options.step);
-  constexpr double kMostSamples = 1e8;
-  if (!(samples >= 4.0 && samples <= kMostSamples)) {
-    throw ArgumentError(fmt::format("--until is {:.6g} s, {:.6g} steps of {:.6g} s; expected 4 to {:g} steps",
-                                    duration, samples, options.step, kMostSamples));
+  const auto points = static_cast<double>(arguments.at.size());
+  const double most = std::floor(wind::kMostSeriesNumbers / (3.0 * points));
+  if (!(samples >= 4.0 && samples <= most)) {
+    throw ArgumentError(
+        fmt::format("--until is {:.6g} s, {:.6g} steps of {:.6g} s; expected 4 to {:.0f} steps at {} {}",
+                    duration, samples, options.step, most, points, points > 1.0 ? "points" : "point"));
   }
   options.samples = static_cast<long>(samples);
   options.points.resize(3, static_cast<Eigen::Index>(arguments.at.size()));

@@ -59,17 +59,32 @@ std::vector<std::string> names_of(const std::string& source) {
   return names;
 }
 
+/// A plan names the file of its model as seen from its own folder.
+std::string name_in_plan(const std::string& model, const std::string& output) {
+  namespace fs = std::filesystem;
+  if (output.empty() || !codebooks::is_model_file(model) || fs::path(model).is_absolute()) return model;
+  const auto folder = [](const std::string& file) {
+    return fs::weakly_canonical(fs::absolute(file).parent_path());
+  };
+  return (folder(model) / fs::path(model).filename()).lexically_relative(folder(output)).generic_string();
+}
+
 int run_plan(const PlanArguments& arguments) {
   if (!arguments.output.empty()) {
     check_output(arguments.output, {arguments.model});
     check_replaced(arguments.output, "plan", "[box");
   }
-  const models::FieldModel* field = models::find_field_model(arguments.model);
-  const std::string text =
-      field != nullptr ? codebooks::plan_template(*field)
-                       : codebooks::plan_template(*codebooks::open_model(arguments.model), arguments.model);
+  std::string text;
+  if (const models::FieldModel* field = models::find_field_model(arguments.model)) {
+    text = codebooks::plan_template(*field);
+  } else {
+    const auto model = codebooks::open_model(arguments.model);
+    text = codebooks::plan_template(*model, name_in_plan(arguments.model, arguments.output));
+  }
   if (!arguments.output.empty() || !arguments.json) write_answer(arguments.output, text);
-  if (arguments.json) print(planned_json(codebooks::parse_plan(text, "the plan")));
+  if (arguments.json)
+    print(
+        planned_json(codebooks::parse_plan(text, arguments.output.empty() ? "the plan" : arguments.output)));
   return kDone;
 }
 

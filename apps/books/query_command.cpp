@@ -200,6 +200,11 @@ int run_composed(const QueryArguments& arguments, const Codebook& book) {
   return kOutsideBox;
 }
 
+void warn_of_clamped(const QueryPoints& points) {
+  for (const std::string& name : points.clamped)
+    warn(fmt::format("{} was moved to the border of the box", name));
+}
+
 /// The motion of the body, to a .glb or .usda: over the times that were asked for, or all of them.
 int run_animated(const QueryArguments& arguments, const Codebook& book) {
   if (arguments.json || arguments.gradient)
@@ -209,6 +214,7 @@ int run_animated(const QueryArguments& arguments, const Codebook& book) {
   const auto model = codebooks::known_model(book.model());
   if (!model) throw ArgumentError(fmt::format("{} is of a program, which moves no body", arguments.book));
   const QueryPoints points = points_of(book, arguments);
+  warn_of_clamped(points);
   Animation animation{.states = animated_states(model->info()),
                       .body = {},
                       .model = book.model().name,
@@ -252,8 +258,7 @@ int run_query(const QueryArguments& arguments) {
         "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
   if (!arguments.until.empty()) return run_composed(arguments, book);
   const QueryPoints points = points_of(book, arguments);
-  for (const std::string& name : points.clamped)
-    warn(fmt::format("{} was moved to the border of the box", name));
+  warn_of_clamped(points);
   codebooks::DerivedQuery query(book);
   const Labels outputs = query.outputs();
   const Eigen::Index count = std::ssize(outputs);

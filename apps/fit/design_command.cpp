@@ -79,7 +79,7 @@ std::map<std::string, double> noise_of(const DesignArguments& arguments, const m
     const auto unit = units.find(name);
     if (unit == units.end())
       throw ArgumentError(fmt::format("--noise: unknown name \"{}\"{}", name, suggestion(name, known)));
-    if (!noise.emplace(name, number_or_quantity(name, text, unit->second)).second)
+    if (!noise.emplace(name, number_or_difference(name, text, unit->second)).second)
       throw ArgumentError(fmt::format("--noise: \"{}\" is given twice", name));
   }
   return noise;

@@ -91,14 +91,20 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   for (const std::filesystem::path& file : id::files_read(request)) inputs.push_back(file.string());
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
-  if (!arguments.series.empty()) check_output(arguments.series, inputs);
+  if (!arguments.series.empty()) {
+    check_output(arguments.series, inputs);
+    const io::PendingFile probe(arguments.series);  // no stream takes a codebook
+  }
   const auto is_problem = [](const std::string& file) {
     return file.ends_with(".yaml") || file.ends_with(".yml");
   };
   if (!arguments.petab.empty() && std::ranges::none_of(arguments.captures, is_problem))
     throw ArgumentError("--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
-  check_outputs_differ(
-      {{"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}});
+  std::vector<std::pair<std::string, std::string>> written = {
+      {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
+  if (!arguments.petab.empty())
+    for (const std::string& file : petab_files(arguments)) written.emplace_back("--petab", file);
+  check_outputs_differ(written);
   check_ending("--report", arguments.report, ".html");
   if (arguments.petab.empty()) return;
   // Last: a call that is refused leaves no folder behind.

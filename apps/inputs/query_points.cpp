@@ -142,10 +142,12 @@ void check_inside(const GivenPoints& given, const std::vector<Coordinate>& coord
 }
 
 /// What one asks for may not take all the memory there is.
-void check_count(Index rows, Index columns) {
-  constexpr double kMost = 1e8;
+/// @param outputs that the codebook holds
+void check_count(Index rows, Index coordinates, Index outputs, const QueryArguments& arguments) {
+  constexpr double kMost = 1e8, kCopiesOfJson = 3.0;
+  const Index columns = coordinates + outputs * (arguments.gradient ? 1 + coordinates : 1);
   const double numbers = static_cast<double>(rows) * static_cast<double>(columns);
-  if (numbers > kMost)
+  if (numbers * (arguments.json ? kCopiesOfJson : 1.0) > kMost)
     throw ArgumentError(fmt::format(
         "{} points are asked for at once, {:.3g} numbers; fewer times or a part of the table were "
         "expected",
@@ -214,7 +216,7 @@ QueryPoints points_of(const Codebook& book, const QueryArguments& arguments) {
   if ((has_time && !is_column(0)) || (asks_times && !has_time)) times = times_of(book, arguments);
   const Index rows = given ? given->table.values().rows() : 1,
               repeats = std::max<Index>(1, std::ssize(times));
-  check_count(rows * repeats, count + book.output_count());
+  check_count(rows * repeats, count, book.output_count(), arguments);
 
   points.x.resize(rows * repeats, count);
   points.times = repeats;

@@ -190,16 +190,15 @@ std::string explain(const Listed& listed) {
   return fmt::format("{}\n{}", text, table(terms));
 }
 
-/// @returns whether all promises hold
-bool print_check(const models::Model& model) {
+/// Adds what the check says. @returns whether all promises hold
+bool append_check(const models::Model& model, std::string& text) {
   const Check check = models::check_model(model);
-  std::string text = fmt::format("{}: {}, {}\n", model.info().name, counted(check.findings.size(), "finding"),
-                                 counted(check.notes.size(), "kink"));
+  text += fmt::format("{}: {}, {}\n", model.info().name, counted(check.findings.size(), "finding"),
+                      counted(check.notes.size(), "kink"));
   for (const std::vector<std::string>* sentences : {&check.findings, &check.notes}) {
     for (const std::string& sentence : *sentences)
       text += fmt::format("  {}\n", wrapped(sentence, 4, screen_width(), 2));
   }
-  print(text);
   return check.passed();
 }
 
@@ -223,7 +222,9 @@ int run_models(const ModelsArguments& arguments) {
           fmt::format("--check is of models of trajectories, and \"{}\" is a field", arguments.model));
     }
     bool passed = true;
-    for (const Listed& one : listed) passed = (!one.model || print_check(*one.model)) && passed;
+    std::string text;
+    for (const Listed& one : listed) passed = (!one.model || append_check(*one.model, text)) && passed;
+    write_answer(arguments.output, text);
     return passed ? kDone : kToleranceMissed;
   }
   if (arguments.json) {

@@ -48,6 +48,11 @@ void check_outputs(const SynthesizeArguments& arguments, const std::vector<std::
     throw ArgumentError(
         fmt::format("-o is \"{}\", expected a name that ends in .glb, .usda or .csv", arguments.output));
   }
+  if (is_csv &&
+      (!arguments.body.body.empty() || !arguments.body.sizes.empty() || !arguments.body.unit.empty())) {
+    throw ArgumentError(
+        "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
+  }
   const std::vector<std::pair<std::string, std::string>> written = {{"--output", arguments.output},
                                                                     {"--course", arguments.course},
                                                                     {"--csv", arguments.csv},

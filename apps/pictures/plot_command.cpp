@@ -174,7 +174,10 @@ void add_plot(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);
   command->add_option("--outputs", values->outputs, "to show; default: all");
   command->add_option("--capture", values->capture, "id of a capture of the fit; default: the first");
-  command->add_option("--points", values->points, "of errors")->capture_default_str()->check(whole_number());
+  command->add_option("--points", values->points, "of errors")
+      ->capture_default_str()
+      ->check(whole_number())
+      ->check(CLI::Range(1, 100000));
   command->add_option("--seed", values->seed, "of these points, from 0")
       ->capture_default_str()
       ->check(whole_number<std::uint64_t>());

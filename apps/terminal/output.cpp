@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -49,14 +50,26 @@ void check_output(const std::string& path, const std::vector<std::string>& input
   io::require_writable(path);
 }
 
+namespace {
+
+/// What two names of one file have in common; links count, but not those of streams, which all may write to.
+std::filesystem::path place_of(const std::string& name) {
+  const std::filesystem::path path = std::filesystem::absolute(name);
+  std::error_code problem;
+  const std::filesystem::file_status status = std::filesystem::status(path, problem);
+  if (std::filesystem::is_character_file(status) || std::filesystem::is_fifo(status))
+    return path.lexically_normal();
+  const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, problem);
+  return problem ? path.lexically_normal() : canonical;
+}
+
+}  // namespace
+
 void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written) {
   for (std::size_t a = 0; a < written.size(); ++a) {
     for (std::size_t b = a + 1; b < written.size(); ++b) {
       if (written[a].second.empty() || written[b].second.empty()) continue;
-      if (std::filesystem::absolute(written[a].second).lexically_normal() !=
-          std::filesystem::absolute(written[b].second).lexically_normal()) {
-        continue;
-      }
+      if (place_of(written[a].second) != place_of(written[b].second)) continue;
       throw ArgumentError(fmt::format("{} and {} both name \"{}\"; two files were expected", written[a].first,
                                       written[b].first, written[a].second));
     }
@@ -98,9 +111,13 @@ void write_readable(const std::string& path, const std::string& text) {
 
 void tell_of_file(const std::string& path, bool json) {
   if (!json) return;
-  std::error_code ignored;
-  print(Json{
-      {"schema", "samara-file/1"}, {"output", path}, {"bytes", std::filesystem::file_size(path, ignored)}});
+  Json bytes = nullptr;  // of a stream
+  std::error_code problem;
+  if (std::filesystem::is_regular_file(path, problem)) {
+    const std::uintmax_t size = std::filesystem::file_size(path, problem);
+    if (!problem) bytes = size;
+  }
+  print(Json{{"schema", "samara-file/1"}, {"output", path}, {"bytes", bytes}});
 }
 
 namespace {

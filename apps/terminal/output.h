@@ -26,7 +26,7 @@ void print(const Json& object);
 /// @throws ArgumentError if not, or if it is one of the inputs.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
 /// Options that name files to write, with the names; those without one are not asked for.
-/// @throws ArgumentError where two name the same file.
+/// @throws ArgumentError where two name the same file, also through links.
 void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written);
 /// Of a file that is of one kind whatever its name is: `fall.png` must not hold a picture in SVG.
 /// Capitals do not matter, and an ending is letters, and digits after them: that of `run_0.2` is none.

@@ -117,6 +117,12 @@ class Animations(Case):
         self.assertEqual(len(Glb(FOLDER / "few.glb").json["nodes"]), 4)
         self.check_error(run("simulate", *card, "--realisations", "4", "--keep", "0", "-o", FOLDER / "none.glb"), 2, "--keep is 0")
 
+    def test_a_motion_that_was_moved_into_the_box_is_told(self):
+        moved = run("query", book("coin", COIN_PLAN), "--set", "C_D=7", "--set", "v(0)=0.2", "--clamp", "-o", FOLDER / "moved.glb")
+        self.assertEqual(moved.returncode, 0, moved.stderr)
+        self.assertIn("C_D was moved to the border of the box", moved.stderr)
+        self.assertEqual(Glb(FOLDER / "moved.glb").json["scenes"][0]["extras"]["parameters"]["C_D"], 1.6)
+
     def test_what_was_drawn_at_random_stands_beside_the_parameters(self):
         wind = write("wind.toml", '[mean]\nspeed = "1 m/s"\nroughness = "3 cm"\n[turbulence]\nsigma = "0.2 m/s"\nlength = "5 m"\n')
         glb = Glb(written("simulate", "immersed_body", *CARD[:-1], "0.2", "--set", "z(0)=2", "--wind", wind, "--seed", "9"))

@@ -190,6 +190,18 @@ class BadCalls(Case):
         result = run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv", "-o", FOLDER / "nowhere" / "a.json")
         self.check_error(result, 2, "nowhere")
 
+    def test_two_outputs_of_a_fit_in_one_file_are_refused_also_through_links(self):
+        problem = write("two_outputs.yaml", "format_version: 1\nparameter_file: p.tsv\nproblems:\n- condition_files: [c.tsv]\n"
+                        "  measurement_files: [m.tsv]\n  observable_files: [o.tsv]\n")
+        folder, linked = FOLDER / "two_outputs", FOLDER / "two_outputs_linked"
+        folder.mkdir()
+        linked.symlink_to(folder)
+        fit = ["fit", "constant_rate", problem, "--petab", folder]
+        for output in (folder / "parameters.tsv", linked / "simulations.tsv"):
+            self.check_error(run(*fit, "-o", output), 2, "--output and --petab both name", "two files")
+        self.check_error(run("fit", "constant_rate", problem, "-o", folder / "a.html", "--report", linked / "a.html"), 2, "two files")
+        self.assertEqual(list(folder.iterdir()), [])
+
     def test_an_input_is_not_overwritten_by_the_output(self):
         path, plan = book("line", LINE_PLAN), write("self.toml", LINE_PLAN)
         before = path.read_bytes()

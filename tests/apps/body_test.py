@@ -131,6 +131,8 @@ class Bodies(Case):
         self.check_error(run("body", mesh, "--unit", "mm", "--added-mass", "guess", *given), 2, "guess")
         self.check_error(run("body", "sphere", "--size", "1", *given), 2, "no shape (ellipsoid, disc, plate) and no file")
         self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--toml", "--viscosity", "1e-3", *given), 2, "--viscosity")
+        for wrong in ("-1 mPa s", "0"):
+            self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--viscosity", wrong, *given), 2, f"--viscosity is {wrong}, expected more than 0")
         self.check_error(run("body", "missing.stl", "--unit", "mm", *given), 3, "missing.stl")
 
 

@@ -76,6 +76,27 @@ class Clouds(Case):
             for name in ["mean", "mean_error", "covariance", "covariance_error", "half_turns", "flying"]:
                 np.testing.assert_array_equal(one[name][:], other[name][:])
 
+    def test_an_interrupted_cloud_is_told_before_flights_that_are_no_numbers(self):
+        # So much drag that steps of 2 ms end in no numbers, and so many flights that they do not end by themselves.
+        wild = ["simulate", *(word.replace("C_D90=0.61", "C_D90=1e6") for word in CARD), *GUSTS, "--realisations", 4000000, "--until", 0.5,
+                "--frames", 3, "--step", "2 ms"]
+        kept = FOLDER / "wild.h5.checkpoint"
+        begun = subprocess.Popen([SAMARA, *map(str, wild), "-o", FOLDER / "wild.h5"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        while begun.poll() is None and not kept.exists():
+            time.sleep(0.002)
+        begun.send_signal(signal.SIGINT)
+        _, said = begun.communicate(timeout=LONGEST)
+        self.assertEqual(begun.returncode, 130, said)
+        self.assertIn("not_finite", said)
+        # Without a file to write, another one's checkpoint is none of it.
+        write(".checkpoint", "")
+        begun = subprocess.Popen([SAMARA, *map(str, wild)], cwd=FOLDER, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(0.5)
+        begun.send_signal(signal.SIGINT)
+        _, said = begun.communicate(timeout=LONGEST)
+        self.assertIn(begun.returncode, (130, -signal.SIGINT), said)  # the latter if it had not begun
+        self.assertNotIn("checkpoint", said)
+
     def test_statistics_are_those_of_the_kept_trajectories(self):
         path = FOLDER / "all.h5"
         self.assertEqual(cloud("--realisations", 200, "--keep", 200, "--until", 1, "--frames", 5, "-o", path).returncode, 0)

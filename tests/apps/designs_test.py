@@ -113,6 +113,16 @@ class Designs(Case):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertAlmostEqual(json.loads(result.stdout)["error"], self.designed()["error"], places=9)
 
+    def test_noise_is_a_difference_of_temperatures(self):
+        model = write("cooling.toml", 'name = "cooling"\n[states]\nT = { unit = "K", initial = 350 }\n[parameters]\n'
+                      'rate = { unit = "1/s", default = 0.5 }\n[rates]\nT = "-rate*(T - 300 [K])"\n')
+        cup = write("cup.csv", run("simulate", model, "--until", 2, "--frames", 21).stdout)
+        config, fit = write("cup_fit.toml", '[loss.scale]\nT = "1 K"\n[box]\nrate = [0.4, 0.6]\n"T(0)" = [340, 360]\n'), FOLDER / "cup.json"
+        fitted = run("fit", model, cup, "--config", config, "-o", fit)
+        self.assertEqual(fitted.returncode, 0, fitted.stderr)
+        self.assertEqual(run("design", model, "--fit", fit, "--config", config, "--noise", "T=1 K").returncode, 0)
+        self.check_error(run("design", model, "--fit", fit, "--config", config, "--noise", "T=1 degC"), 2, "T: ", "difference of temperatures")
+
     def test_wrong_calls_are_refused(self):
         for arguments, part in ((["--captures", "0"], "captures is 0"), (["--duration", "0"], "duration"),
                                 (["--duration", "1 s"], "0.4 s"), (["--duration", "nan"], "finite"),

@@ -384,7 +384,7 @@ relative = 0.15
         changed.write_bytes(flow().read_bytes())
         with h5py.File(changed, "r+", libver="latest") as file:
             file["loads"].attrs["C_D"] = numpy.nan
-        self.check_error(run("info", changed), 3, "changed.h5", "/loads", "the attribute C_D of nan")
+        self.check_error(run("info", changed), 3, "changed.h5", "/loads", "C_D is nan, expected a finite number")
 
     def test_no_other_file_is_lost_to_a_flow(self):
         other = write("other.txt", "mine")

@@ -57,6 +57,11 @@ class ManyQuestions(Case):
             one = rows(run("query", line, "--set", f"k={row['k[1]']}", "--at", row["t[1]"]).stdout)[0]
             self.assertAlmostEqual(float(row["u[1]"]), float(one["u[1]"]), places=9)
 
+    def test_questions_that_memory_does_not_hold_are_refused(self):
+        coin = book("coin", COIN_PLAN)
+        for more in ("--gradient", "--json"):
+            self.check_error(run("query", coin, "--set", "C_D=1", "--set", "v(0)=0", "--frames", 10000000, more), 2, "10000000 points are asked for at once")
+
     def test_bad_tables_of_points_name_the_line(self):
         line = book("line", LINE_PLAN)
         refuse = lambda text, code, *parts, more=(): self.check_error(run("query", line, "--points", write("bad_points.csv", text), *more), code, *parts)

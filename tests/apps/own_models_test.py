@@ -5,6 +5,7 @@ Models that are text, and libraries of them: what the command makes of good and 
 
 import json
 import math
+import os
 import pathlib
 import re
 
@@ -31,6 +32,8 @@ class OwnModels(Case):
         self.assertIn("x' = -rate*x", run("models", path).stdout)
         checked = run("models", path, "--check")
         self.assertEqual(checked.returncode, 0, checked.stdout)
+        written = run("models", path, "--check", "-o", FOLDER / "check.txt")
+        self.assertEqual((written.returncode, written.stdout, (FOLDER / "check.txt").read_text()), (0, "", checked.stdout))
         row = run("simulate", path, "--until", "2", "--frames", "2").stdout.splitlines()[-1]
         self.assertAlmostEqual(float(row.split(",")[1]), 0.36787944, delta=1e-7)
 
@@ -156,6 +159,20 @@ v = "mu*w*(1 - x^2)*v - w^2*x"
         self.assertIn(f"# samara models {path} explains it", plan.stdout)
         begun = write("said_plan.toml", plan.stdout)
         self.assertEqual(run("build", begun, "--dry-run").returncode, 0, plan.stdout)
+
+    def test_a_plan_in_another_folder_finds_its_model(self):
+        for name in ("models", "plans"):
+            (FOLDER / name).mkdir(exist_ok=True)
+        model, plan = os.path.relpath(write("models/away.toml", MODEL)), FOLDER / "plans" / "away_plan.toml"
+        result = run("plan", model, "-o", plan, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('model = "../models/away.toml"', plan.read_text())
+        self.assertEqual(run("build", plan, "--dry-run").returncode, 0)
+        # Through a link, where names alone would lead elsewhere.
+        link = FOLDER / "models" / "link"
+        link.symlink_to(FOLDER / "plans")
+        self.assertEqual(run("plan", model, "-o", link / "linked_plan.toml").returncode, 0)
+        self.assertEqual(run("build", link / "linked_plan.toml", "--dry-run").returncode, 0)
 
     def test_a_model_is_not_overwritten_by_what_is_made_of_it(self):
         path = write("kept.toml", MODEL)

@@ -4,6 +4,7 @@ Standard streams that are closed, full, or pipes whose reader has gone: what was
 the loss of an answer is told.
 """
 
+import json
 import os
 import signal
 import subprocess
@@ -97,6 +98,23 @@ class Streams(Case):
         result = redirected(">&-", ["query", self.line, "--set", "k=4", "-o", "/dev/stdout"])
         self.assertEqual(result.returncode, 2)
         self.assertIn("cannot write", result.stderr)
+
+    def test_an_output_that_is_a_stream_is_added_to_the_file_that_the_stream_leads_to(self):
+        log, query = FOLDER / "log.txt", ["query", self.line, "--set", "k=4"]
+        for redirection in [f'-o /dev/stdout >>"{log}"', f'-o /dev/stderr 2>>"{log}"', f'-o /dev/fd/3 3>>"{log}"', f'-o "{log}" >>"{log}"']:
+            with self.subTest(redirection):
+                log.write_text("header\n")
+                self.assertEqual(redirected(redirection, query).returncode, 0)
+                self.assertEqual(log.read_text(), "header\n" + run(*query).stdout)
+        log.write_text("header\n")
+        result = redirected(f'-o /dev/stdout --force >>"{log}"', ["build", FOLDER / "line.toml"])
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("it is where stdout leads; a file of its own was expected", result.stderr)
+        self.assertEqual(log.read_text(), "header\n")
+
+    def test_a_stream_that_was_written_has_no_size(self):
+        result = run("plot", self.line, "-o", "/dev/null", "--json")
+        self.assertIsNone(json.loads(result.stdout)["bytes"], result.stderr)
 
     def test_a_reader_that_goes_away_ends_the_command_as_any_other(self):
         process = subprocess.Popen([SAMARA, "info", str(self.line)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

@@ -148,6 +148,8 @@ class Syntheses(Case):
             self.assertEqual((FOLDER / named).read_bytes(), kept)
         self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", "--course", FOLDER / "bad.csv"), 2,
                          "--output and --course both name")
+        for words in (["--body", "disc"], ["--size", "1"], ["--unit", "mm"]):
+            self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", *words), 2, ".glb or .usda was expected")
 
     def test_tangents_of_a_codebook_are_told_in_the_answer(self):
         windows = FOLDER / "windows.h5"

@@ -145,8 +145,8 @@ class BadWinds(Case):
     def test_profiles(self):
         mean = '[mean]\nspeed = "4 m/s"\n'
         self.check_file(mean + 'height = "2 m"\nroughness = "2 m"\n', "[mean] roughness", "2 m, expected more than")
-        self.check_file(mean + 'roughness = "0 m"\n', "[mean] roughness", "is 0; more than 0 was expected")
-        self.check_file(mean + 'roughness = "-1 m"\n', "is -1; more than 0 was expected")
+        self.check_file(mean + 'roughness = "0 m"\n', "[mean] roughness", "is 0 m; more than 0 was expected")
+        self.check_file(mean + 'roughness = "-3 cm"\n', "is -0.03 m; more than 0 was expected")
         self.check_file(mean + "roughness = nan\n", "[mean] roughness", "nan")
         self.check_file(mean + 'height = "3 s"\n', "[mean] height")
         self.check_file('[mean]\nspeed = "-4 m/s"\n', "[mean] speed", "is -4 m/s, expected at least 0")
@@ -167,7 +167,7 @@ class BadWinds(Case):
         self.check_file(uniform + "[turbulence]\n", '"sigma" is missing')
         self.check_file(uniform + '[turbulence]\nsigma = "1 m/s"\n', '"length" is missing')
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0]\nduration = 1\n", "velocity", "has 2 numbers, expected 3")
-        self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, 0]\nduration = 0\n", "duration", "is 0; more than 0 was expected")
+        self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, 0]\nduration = 0\n", "duration", "is 0 s; more than 0 was expected")
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, nan]\nduration = 1\n", "velocity")
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, 0]\nduration = 1\ntravel = [0, 0, 0]\n", "travel", "everywhere at once")
         self.check_file(mean + '[[gusts]]\nvelocity = [1, 0, 0]\nduration = 1\nshape = "cosine"\n', "one_minus_cosine")
@@ -192,7 +192,9 @@ class BadWinds(Case):
         self.check_error(run("wind", wind, "--at", "0, 0, -1", "-o", FOLDER / "s.csv"), 2, "height of point 1")
         self.check_error(run("wind", wind, "--at", "0, 0, 0.02", "-o", FOLDER / "s.csv"), 2, "mean wind at point 1")
         self.check_error(run("wind", wind, "--at", "0, 0, 2", "--step", "0", "-o", FOLDER / "s.csv"), 2, "--step is 0")
-        self.check_error(run("wind", wind, "--at", "0, 0, 2", "--until", "0.1", "-o", FOLDER / "s.csv"), 2, "expected 4 to")
+        self.check_error(run("wind", wind, "--at", "0, 0, 2", "--until", "0.1", "-o", FOLDER / "s.csv"), 2, "expected 4 to 6666666 steps at 1 point")
+        two = ["--at", "0, 0, 2", "--at", "0, 1, 2", "--step", "1 ms", "-o", FOLDER / "s.csv"]
+        self.check_error(run("wind", wind, *two, "--until", "3334 s"), 2, "3.334e+06 steps of 0.001 s; expected 4 to 3333333 steps at 2 points")
         self.check_error(run("wind", write("still.toml", '[mean]\nspeed = "4 m/s"\n'), "--at", "0, 0, 2", "-o", FOLDER / "s.csv"), 3,
                          "holds no [series]")
         seen = write("seen.toml", MEADOW.replace('height = "2 m"', 'kind = "seen"'))

@@ -223,10 +223,13 @@
     if (!fit.predictions.length) return;
     const made = table(section("Predictions on what was left out"),
                        ["of", "by", "median#", "rms#", "largest#", "captures#", "values#", "capture"]);
+    const files = new Map();  // of each id: captures of several files may share one
+    for (const p of fit.capture_predictions) files.set(p.capture, (files.get(p.capture) ?? new Set()).add(p.file));
+    const nameOf = (p) => files.get(p.capture)?.size > 1 ? `${p.capture} (${p.file})` : p.capture ?? "all";
     for (const p of [...fit.predictions, ...fit.capture_predictions]) {
       const by = p.best ? {text: `${p.predictor}, the best`, name: "best"} : p.predictor;
       row(made, [withUnit(p.quantity, p.unit), by, {value: p.median, digits: 4}, {value: p.rms, digits: 4},
-                 {value: p.largest, digits: 4}, {value: p.captures}, {value: p.count}, p.capture ?? "all"]);
+                 {value: p.largest, digits: 4}, {value: p.captures}, {value: p.count}, nameOf(p)]);
     }
   }
 
