@@ -99,6 +99,9 @@ struct Solution {
 /// c - A_P (A_PP)^-1 c_P, and what they say of the part is y_P - (A_PP)^-1 c_P.
 Solution solve_ridge(Eigen::MatrixXd kernel, double ridge, const Eigen::MatrixXd& values,
                      const std::vector<std::vector<Eigen::Index>>& parts) {
+  // Of no components Eigen's triangular solvers would read the first number.
+  if (values.cols() == 0)
+    return {.all = values, .without = std::vector<Eigen::MatrixXd>(parts.size(), values), .foretold = values};
   kernel.diagonal().array() += ridge;
   const Eigen::LLT<Eigen::MatrixXd> factors(kernel);
   const Eigen::Index count = kernel.rows();
