@@ -140,28 +140,40 @@ Json values_json(const Codebook& book, const Labels& outputs, const QueryPoints&
   return object;
 }
 
-/// There are no derivatives by its values.
-bool is_list(const Codebook& book, const codebooks::Coordinate& coordinate) {
+/// By whose values there are no derivatives.
+std::vector<bool> are_lists(const Codebook& book, const Coordinates& coordinates) {
   const std::vector<pgd::Axis> axes = book.pieces().front().outline().axes;
-  const auto axis = std::ranges::find(axes, coordinate.name, &pgd::Axis::name);
-  return axis != axes.end() && axis->is_list();
+  std::vector<bool> lists;
+  for (const codebooks::Coordinate& c : coordinates) {
+    const auto axis = std::ranges::find(axes, c.name, &pgd::Axis::name);
+    lists.push_back(axis != axes.end() && axis->is_list());
+  }
+  return lists;
+}
+
+/// Whether all are numbers, but for the derivatives that lists do not have; what is none becomes empty.
+bool keep_all_numbers(const Codebook& book, const Labels& outputs, const QueryPoints& points,
+                      Eigen::Ref<Answers> table) {
+  if (table.allFinite()) return true;
+  bool all_numbers = true;
+  Eigen::Index column = 0;
+  for (const pgd::OutputLabel& o : outputs) all_numbers &= keep_numbers(o.name, table.col(column++));
+  const std::vector<bool> lists = are_lists(book, points.coordinates);
+  for (std::size_t k = 0; column < table.cols(); ++k, ++column) {
+    const std::size_t c = k % lists.size();
+    if (lists[c]) continue;
+    const std::string& output = outputs[k / lists.size()].name;
+    all_numbers &= keep_numbers(fmt::format("the derivative of {} by {}", output, points.coordinates[c].name),
+                                table.col(column));
+  }
+  return all_numbers;
 }
 
 /// @param rows which have answers: the first ones
 /// @return the exit code
 int write(const QueryArguments& arguments, const Codebook& book, const Labels& outputs,
           const QueryPoints& points, Answers table, Eigen::Index rows) {
-  bool all_numbers = true;
-  Eigen::Index column = 0;
-  for (const pgd::OutputLabel& o : outputs)
-    all_numbers &= keep_numbers(o.name, table.col(column++).head(rows));
-  for (std::size_t k = 0; column < table.cols(); ++k, ++column) {
-    const codebooks::Coordinate& c = points.coordinates[k % points.coordinates.size()];
-    if (is_list(book, c)) continue;
-    const std::string& output = outputs[k / points.coordinates.size()].name;
-    all_numbers &=
-        keep_numbers(fmt::format("the derivative of {} by {}", output, c.name), table.col(column).head(rows));
-  }
+  const bool all_numbers = keep_all_numbers(book, outputs, points, table.topRows(rows));
   if (arguments.json) {
     const bool composed = !arguments.until.empty();
     write_answer(arguments.output,

@@ -111,13 +111,9 @@ void write_readable(const std::string& path, const std::string& text) {
 
 void tell_of_file(const std::string& path, bool json) {
   if (!json) return;
-  Json bytes = nullptr;  // of a stream
-  std::error_code problem;
-  if (std::filesystem::is_regular_file(path, problem)) {
-    const std::uintmax_t size = std::filesystem::file_size(path, problem);
-    if (!problem) bytes = size;
-  }
-  print(Json{{"schema", "samara-file/1"}, {"output", path}, {"bytes", bytes}});
+  std::error_code problem;  // of a stream, which has no size
+  const std::uintmax_t size = std::filesystem::file_size(path, problem);
+  print(Json{{"schema", "samara-file/1"}, {"output", path}, {"bytes", problem ? Json() : Json(size)}});
 }
 
 namespace {

@@ -228,13 +228,10 @@ std::optional<Solution> solve_by_steps_first(Build& build, const models::Paramet
 /// the second. All are counted, not timed, so that the choice is the same everywhere.
 Solution solve_by_trial(Build& build, const models::ParametricModel& model) {
   const Plan& plan = build.plan;
-  if (plan.prescribes_axes()) {
+  if (plan.prescribes_axes() || plan.builder.strategy != "auto") {
     return chosen(solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress),
-                  "the plan prescribes an axis, and sampling chooses its own");
-  }
-  if (plan.builder.strategy != "auto") {
-    return chosen(solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress),
-                  "the plan names a strategy of the engine");
+                  plan.prescribes_axes() ? "the plan prescribes an axis, and sampling chooses its own"
+                                         : "the plan names a strategy of the engine");
   }
   if (std::optional<Solution> stepped = solve_by_steps_first(build, model)) return std::move(*stepped);
   CallMemory calls = calls_of(plan, model_source(plan, model), build.options);

@@ -100,9 +100,10 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
     for (Eigen::Index k = 0; k < values.rows(); ++k)
       draws.points.row(find(joint.inputs[static_cast<std::size_t>(k)])) = values.row(k);
   }
+  const std::vector<pgd::Axis> axes = book.pieces().front().outline().axes;
   for (Eigen::Index k = 0; k < dimensions; ++k) {
     const Coordinate& box = coordinates[static_cast<std::size_t>(k)];
-    const pgd::Axis axis = book.pieces().front().outline().axes[static_cast<std::size_t>(k + first)];
+    const pgd::Axis& axis = axes[static_cast<std::size_t>(k + first)];
     if (request.joint && std::ranges::find(request.joint->inputs, box.name) != request.joint->inputs.end()) {
       require_no_list(axis);
       continue;

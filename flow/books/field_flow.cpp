@@ -41,7 +41,7 @@ StoredFlow flow_of(const codebooks::Codebook& book, const std::map<std::string, 
                      fmt::format("has {} coordinates beside those of places, expected {}, as its plan has",
                                  point.size(), plan.box.size()));
   try {
-    // As the builder did: only then are there so many cells as an integer counts.
+    // As the builder did: a damaged plan may ask for more cells than an integer counts.
     check_case(flow_case_at(plan, corners_of(plan).first), plan.max_memory);
   } catch (const ArgumentError& error) {
     throw InputError(path, error.what());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <span>
 #include <string>
@@ -141,17 +140,13 @@ void add_profiles(const models::TrajectoryFamily& family, const FitProblem& prob
 
 std::string describe_unsettled(const Posterior& posterior) {
   const auto& unknowns = posterior.unknowns;
-  // NaN, of chains that never moved, is worse than any number.
-  const auto worst = std::ranges::max_element(unknowns, {}, [](const PosteriorUnknown& u) {
-    return std::isnan(u.rhat) ? std::numeric_limits<double>::infinity() : u.rhat;
-  });
+  const auto worst = std::ranges::max_element(unknowns, {}, &PosteriorUnknown::rhat);
   const auto fewest = std::ranges::min_element(unknowns, {}, &PosteriorUnknown::effective);
   return fmt::format(
-      "the posterior is not settled: R-hat of {} is {} (1.01 or less was expected), {} has {:.0f} "
+      "the posterior is not settled: R-hat of {} is {:.3f} (1.01 or less was expected), {} has {:.0f} "
       "effective draws (400 or more), and {} proposals diverged (none): more samples or priors are "
       "needed",
-      worst->name, std::isnan(worst->rhat) ? "none" : fmt::format("{:.3f}", worst->rhat), fewest->name,
-      fewest->effective, posterior.divergences);
+      worst->name, worst->rhat, fewest->name, fewest->effective, posterior.divergences);
 }
 
 void add_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,

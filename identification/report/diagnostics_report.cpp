@@ -162,14 +162,13 @@ void add_posterior_text(const FitResult& result, std::back_insert_iterator<std::
   const Posterior& posterior = *result.posterior;
   double rhat = 0.0, effective = posterior.unknowns.front().effective;
   for (const PosteriorUnknown& u : posterior.unknowns) {
-    if (!std::isnan(rhat) && !(u.rhat <= rhat)) rhat = u.rhat;  // NaN, of chains that never moved, stays
+    rhat = std::max(rhat, u.rhat);
     effective = std::min(effective, u.effective);
   }
   fmt::format_to(out,
-                 "posterior: {} draws in {} chains, R-hat at most {}, {:.0f} effective draws or more, {} "
+                 "posterior: {} draws in {} chains, R-hat at most {:.3f}, {:.0f} effective draws or more, {} "
                  "divergences\n",
-                 posterior.draws.rows(), posterior.chains,
-                 std::isnan(rhat) ? "none" : fmt::format("{:.3f}", rhat), effective, posterior.divergences);
+                 posterior.draws.rows(), posterior.chains, rhat, effective, posterior.divergences);
   for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
     const PosteriorUnknown& u = posterior.unknowns[k];
     fmt::format_to(out, "  {}: {:.5g}, 95 % from {:.5g} to {:.5g}\n", u.name, u.median, u.lower, u.upper);

@@ -28,7 +28,7 @@ ChainSummary summarize_chains(const Eigen::MatrixXd& draws) {
   const double within = centred.squaredNorm() / (chains * (length - 1.0));
   const double between = (means.array() - means.mean()).square().sum() / (chains - 1.0);
   const double all = (length - 1.0) / length * within + between;
-  if (!(within > 0.0)) return {std::numeric_limits<double>::quiet_NaN(), 0.0};
+  if (!(within > 0.0)) return {std::numeric_limits<double>::infinity(), 0.0};
   // Sums of neighbouring correlations fall and are positive (C. J. Geyer, Statist. Sci. 7 (1992) 473-483): where they
   // do not, noise begins.
   double sum = 0.0, last = std::numeric_limits<double>::infinity();

@@ -7,7 +7,8 @@
 namespace samara::identification {
 
 struct ChainSummary {
-  /// sqrt of the variance of all draws over that within half chains: 1 where chains agree; above 1.01 they do not.
+  /// sqrt of the variance of all draws over that within half chains: 1 where chains agree; above 1.01 they do not;
+  /// infinite where none moved.
   double rhat = 0.0;
   /// Independent draws whose mean would be as good. Chains that turn back and forth may be worth more than their
   /// number.

@@ -1,5 +1,7 @@
 #include "samara/identification/report/fit_report.h"
 
+#include <limits>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -116,12 +118,13 @@ TEST_CASE("reports hold the errors from random weights") {
   CHECK_THAT(fit_text(result), Contains("weighted at random: C_D -\n"));
 }
 
-TEST_CASE("an unknown whose chains never moved leaves the text no R-hat") {
+TEST_CASE("an unknown whose chains never moved is the worst R-hat of the text, too") {
   FitResult result = example();
-  result.posterior = Posterior{.chains = 2,
-                               .unknowns = {{.name = "C_D", .rhat = std::nan(""), .effective = 0.0},
-                                            {.name = "coin 0: v(0)", .rhat = 1.1, .effective = 90.0}}};
-  CHECK_THAT(fit_text(result), Contains("R-hat at most none, 0 effective draws or more"));
+  result.posterior = Posterior{
+      .chains = 2,
+      .unknowns = {{.name = "C_D", .rhat = std::numeric_limits<double>::infinity(), .effective = 0.0},
+                   {.name = "coin 0: v(0)", .rhat = 1.1, .effective = 90.0}}};
+  CHECK_THAT(fit_text(result), Contains("R-hat at most inf, 0 effective draws or more"));
   result.posterior->unknowns[0].rhat = 1.2;
   CHECK_THAT(fit_text(result), Contains("R-hat at most 1.200, 0 effective draws or more"));
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
@@ -127,10 +128,10 @@ TEST_CASE("a posterior of few draws is said not to be settled") {
 TEST_CASE("an unknown whose chains never moved is the worst of a posterior") {
   Posterior posterior;
   posterior.unknowns = {{.name = "k", .rhat = 1.2, .effective = 300.0},
-                        {.name = "v(0)", .rhat = std::nan(""), .effective = 0.0},
+                        {.name = "v(0)", .rhat = std::numeric_limits<double>::infinity(), .effective = 0.0},
                         {.name = "x(0)", .rhat = 1.5, .effective = 200.0}};
   CHECK_THAT(describe_unsettled(posterior),
-             Contains("R-hat of v(0) is none") && Contains("v(0) has 0 effective"));
+             Contains("R-hat of v(0) is inf") && Contains("v(0) has 0 effective"));
   posterior.unknowns[1].rhat = 1.3;
   CHECK_THAT(describe_unsettled(posterior), Contains("R-hat of x(0) is 1.500"));
 }

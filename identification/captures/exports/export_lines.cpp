@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "samara/base/text.h"
+#include "samara/io/text_file.h"
 
 namespace samara::identification {
 
@@ -24,8 +25,7 @@ std::string protected_cell(const std::string& cell) {
 
 std::vector<std::string> lines_of(std::string_view text) {
   std::vector<std::string> lines;
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  if (text.starts_with(io::kByteOrderMark)) text.remove_prefix(io::kByteOrderMark.size());
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
     std::string_view line = text.substr(0, end);
