@@ -197,7 +197,7 @@ def least_squares(arguments):
     with tempfile.TemporaryDirectory() as folder:
         result = samara.fit(samara.Codebook.open(coin_book(folder)), COIN / "coin.toml", COIN / "fit.toml")
     found = minimise(result.residuals, result.middle, result.jacobian, result.bounds, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    C = result.coefficients["C_D"]
+    C = result["C_D"]
     report("least_squares", "CD_difference", abs(found.x[0] - C.value) / C.standard_error, "1")
     report("least_squares", "evaluations", found.nfev, "1")
 
