@@ -13,8 +13,9 @@ class FileLock {
  public:
   /// @param path of the file of the lock, which is removed at the end
   /// @param purpose of it, for the message: "builds book.h5"
-  /// @throws ArgumentError if another process holds it, naming the process, or if the file is there and is no lock.
-  ///   Where the file cannot be made (a name that is too long), or its file system knows no locks, there is no lock.
+  /// @throws ArgumentError if another process holds it, naming the process, or if what is there is no lock: an empty
+  ///   file is none, nor is a link. Where the file cannot be made (a name that is too long), or its file system knows
+  ///   no locks, there is no lock.
   FileLock(const std::filesystem::path& path, const std::string& purpose);
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
