@@ -37,27 +37,47 @@ std::vector<HeldCoordinate> checked(const Codebook& book, const std::map<std::st
   return coordinates;
 }
 
-/// Whether one piece ends along a coordinate where the other begins, and they have more than borders in common along
-/// the others.
-bool is_below(const Piece& one, const Piece& other, std::size_t coordinate) {
-  for (std::size_t k = 0; k < one.lower().size(); ++k) {
-    const double lower = std::max(one.lower()[k], other.lower()[k]);
-    const double upper = std::min(one.upper()[k], other.upper()[k]);
-    const bool is_one_value = one.lower()[k] == one.upper()[k] && lower == upper;
-    if (k != coordinate && !(lower < upper || is_one_value)) return false;
+/// Whether the pieces hold the whole box but for borders. Along a coordinate it may be a single value.
+bool is_covered(const std::vector<double>& lower, const std::vector<double>& upper,
+                std::span<const Piece> pieces) {
+  std::vector<double> from(lower), to(upper);
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    bool meets = true;
+    for (std::size_t k = 0; meets && k < lower.size(); ++k) {
+      from[k] = std::max(lower[k], pieces[p].lower()[k]);
+      to[k] = std::min(upper[k], pieces[p].upper()[k]);
+      meets = from[k] < to[k] || (lower[k] == upper[k] && from[k] == to[k]);
+    }
+    if (!meets) continue;
+    // What this piece leaves below and above it is for those after it.
+    std::vector<double> low(lower), high(upper);
+    for (std::size_t k = 0; k < lower.size(); ++k) {
+      const auto is_left = [&](double begin, double end) {
+        if (!(begin < end)) return false;
+        std::vector<double> part_low(low), part_high(high);
+        part_low[k] = begin;
+        part_high[k] = end;
+        return !is_covered(part_low, part_high, pieces.subspan(p + 1));
+      };
+      if (is_left(low[k], from[k]) || is_left(to[k], high[k])) return false;
+      low[k] = from[k];
+      high[k] = to[k];
+    }
+    return true;
   }
-  return one.lower()[coordinate] < other.lower()[coordinate] &&
-         one.upper()[coordinate] >= other.lower()[coordinate];
+  return false;
 }
 
-/// Whether the piece answers at the held values: at the border of two of them the lower one does.
-bool answers(const Codebook& book, const Piece& piece, const std::vector<HeldCoordinate>& held) {
-  return std::ranges::all_of(held, [&](const HeldCoordinate& h) {
-    const double lower = piece.lower()[h.place], upper = piece.upper()[h.place];
-    if (h.value != lower) return h.value > lower && h.value <= upper;
-    return std::ranges::none_of(book.pieces(),
-                                [&](const Piece& other) { return is_below(other, piece, h.place); });
-  });
+/// Whether queries at the held values come to the piece: at the border of several the first one answers.
+bool answers(const Codebook& book, std::size_t number, const std::vector<HeldCoordinate>& held) {
+  std::vector<double> lower = book.pieces()[number].lower(), upper = book.pieces()[number].upper();
+  bool is_at_border = false;
+  for (const HeldCoordinate& h : held) {
+    if (!(h.value >= lower[h.place] && h.value <= upper[h.place])) return false;
+    is_at_border = is_at_border || h.value == lower[h.place] || h.value == upper[h.place];
+    lower[h.place] = upper[h.place] = h.value;
+  }
+  return !is_at_border || !is_covered(lower, upper, std::span(book.pieces()).first(number));
 }
 
 Piece restricted_piece(const Codebook& book, const Piece& piece, const std::vector<HeldCoordinate>& held) {
@@ -103,8 +123,9 @@ Codebook slice(const Codebook& book, const std::map<std::string, double>& held) 
   if (held.empty()) return book;
   const std::vector<HeldCoordinate> coordinates = checked(book, held);
   std::vector<Piece> pieces;
-  for (const Piece& piece : book.pieces()) {
-    if (!answers(book, piece, coordinates)) continue;
+  for (std::size_t number = 0; number < book.pieces().size(); ++number) {
+    if (!answers(book, number, coordinates)) continue;
+    const Piece& piece = book.pieces()[number];
     pieces.push_back(piece.front() != nullptr ? restricted_at_front(book, piece, coordinates)
                                               : restricted_piece(book, piece, coordinates));
   }

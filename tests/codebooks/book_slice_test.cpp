@@ -56,6 +56,21 @@ TEST_CASE("where no lower piece reaches a border, the upper one is sliced") {
   CHECK(difference(book, {{"C_D", kCellBorder}}) < 1e-12);
 }
 
+TEST_CASE("at a border those pieces are sliced that queries come to, also beside slabs of other lengths") {
+  const Codebook ends_early(sample_model(), {random_piece({0.0, 0.3, 0.5, kCellBorder}, 1),
+                                             random_piece({0.0, kSlabBorder, kCellBorder, 2.0}, 2),
+                                             random_piece({kSlabBorder, 0.5, kCellBorder, 2.0}, 3)});
+  const Codebook part = slice(ends_early, {{"C_D", kCellBorder}});
+  CHECK(part.pieces().size() == 2);
+  CHECK(part.coordinates().front().upper == 0.5);
+  CHECK(difference(ends_early, {{"C_D", kCellBorder}}) < 1e-12);
+  const Codebook begins_late(sample_model(), {random_piece({0.0, kSlabBorder, 0.5, kCellBorder}, 1),
+                                              random_piece({kSlabBorder, 0.5, 0.5, kCellBorder}, 2),
+                                              random_piece({0.0, 0.5, kCellBorder, 2.0}, 3)});
+  CHECK(slice(begins_late, {{"C_D", kCellBorder}}).pieces().size() == 2);
+  CHECK(difference(begins_late, {{"C_D", kCellBorder}}) < 1e-12);
+}
+
 TEST_CASE("a slice says what was held, and has no certificate") {
   const Codebook book = golden_climbs();
   REQUIRE(book.certificate());
