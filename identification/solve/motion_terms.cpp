@@ -149,6 +149,15 @@ Eigen::VectorXd own_floor(const FitProblem& problem, const Motion& motion, const
 
 }  // namespace
 
+double mean_slope(const FitProblem& problem, const std::vector<SegmentResidual>& residuals) {
+  double sum = 0.0;
+  for (const SegmentResidual& residual : residuals) {
+    for (int row = 0; row < residual.data_size(); ++row)
+      sum += loss_value(problem.loss, residual.residual()[row]).dpsi;
+  }
+  return sum / problem.observation_count();
+}
+
 PriorTerms prior_terms(const FitProblem& problem, const FitPoint& point) {
   const Eigen::Index count = problem.shared_count();
   PriorTerms sum{.gradient = Eigen::VectorXd::Zero(count),
@@ -166,7 +175,7 @@ PriorTerms prior_terms(const FitProblem& problem, const FitPoint& point) {
 }
 
 MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
-                         const std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                         const std::vector<SegmentResidual>& residuals, const FitPoint& point, double slope,
                          const std::vector<int>& own, const Eigen::VectorXd& own_information) {
   const MotionEquations equations = motion_equations(problem, motion, residuals, point);
   MotionTerms terms;
@@ -175,11 +184,13 @@ MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
   const Eigen::MatrixXd J_o = equations.by_own(Eigen::all, own);
   const Eigen::VectorXd& dpsi = equations.dpsi;
   terms.psi_squares = equations.psi_squares;
-  terms.dpsi_sum = equations.dpsi_sum;
 
-  terms.own_priors = equations.own_priors(own, own);
-  Eigen::MatrixXd beside = Eigen::MatrixXd::Zero(J_o.cols(), J_o.cols());
-  if (own_information.size() > 0) beside.diagonal() = own_information;
+  Eigen::MatrixXd known = Eigen::MatrixXd::Zero(J_o.cols(), J_o.cols());
+  if (own_information.size() > 0) known.diagonal() = own_information;
+  // J_o^T J_o has the priors with a weight of 1 already.
+  const Eigen::MatrixXd priors = equations.own_priors(own, own);
+  terms.own_priors = priors / std::max(slope, kLeastSlope);
+  const Eigen::MatrixXd beside = known + terms.own_priors - priors;
   terms.own_inverse = invert_determined(J_o.transpose() * J_o + beside, own_floor(problem, motion, own));
   terms.projection = terms.own_inverse.inverse * (J_o.transpose() * J_s);
   const Eigen::MatrixXd rest = J_s - J_o * terms.projection;
@@ -189,7 +200,7 @@ MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
   const Eigen::VectorXd leverage = (J_o * terms.own_inverse.inverse).cwiseProduct(J_o).rowwise().sum();
   terms.own_unknowns = leverage.dot(equations.is_data);
 
-  const Eigen::MatrixXd H_oo = J_o.transpose() * dpsi.asDiagonal() * J_o + beside;
+  const Eigen::MatrixXd H_oo = J_o.transpose() * dpsi.asDiagonal() * J_o + known;
   const Eigen::MatrixXd H_os = J_o.transpose() * dpsi.asDiagonal() * J_s;
   terms.hessian = J_s.transpose() * dpsi.asDiagonal() * J_s;
   terms.score = J_s.transpose() * equations.psi;

@@ -64,9 +64,9 @@ MotionEquations motion_equations(const FitProblem& problem, const Motion& motion
 /// What one motion says, its own unknowns eliminated.
 struct MotionTerms {
   std::vector<int> own_free;               ///< directions, over all segments
-  DeterminedInverse own_inverse;           ///< of J_o^T J_o
+  DeterminedInverse own_inverse;           ///< of J_o^T J_o, priors weighed by 1/slope
   Eigen::MatrixXd own_priors;              ///< of that, what priors add
-  Eigen::MatrixXd projection;              ///< (J_o^T J_o)^-1 J_o^T J_s
+  Eigen::MatrixXd projection;              ///< own_inverse J_o^T J_s
   Eigen::VectorXd shared_diagonal_before;  ///< of J_s^T J_s
   Eigen::MatrixXd normal;                  ///< J_s^T J_s without what the own unknowns explain
   Eigen::MatrixXd prior_part;              ///< of that, what priors of own unknowns add
@@ -74,12 +74,15 @@ struct MotionTerms {
   Eigen::VectorXd score;                   ///< gradient of the cost
   bool hessian_usable = true;
   double psi_squares = 0.0;
-  double dpsi_sum = 0.0;
   double own_unknowns = 0.0;  ///< how many the data determine: what priors and joins determine counts less
 };
 
 /// Of the mean of psi': below it all residuals are outliers, and there are no errors.
 inline constexpr double kLeastSlope = 1e-12;
+
+/// mean(psi') of data, their weight beside priors.
+/// @param residuals evaluated
+double mean_slope(const FitProblem& problem, const std::vector<SegmentResidual>& residuals);
 
 /// What priors of shared unknowns, single ones and combinations, add to the cost, its gradient and its
 /// Hessian.
@@ -91,10 +94,11 @@ struct PriorTerms {
 PriorTerms prior_terms(const FitProblem& problem, const FitPoint& point);
 
 /// @param residuals evaluated at `point`, with derivatives
+/// @param slope mean_slope() of all of them
 /// @param own free directions
 /// @param own_information what else is known of them, on the diagonal of their information
 MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
-                         const std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                         const std::vector<SegmentResidual>& residuals, const FitPoint& point, double slope,
                          const std::vector<int>& own, const Eigen::VectorXd& own_information = {});
 
 }  // namespace samara::identification

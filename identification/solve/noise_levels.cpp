@@ -101,14 +101,14 @@ std::vector<NoiseLevels::Column> NoiseLevels::columns(const FitProblem& problem,
                                                       std::vector<SegmentResidual>& residuals,
                                                       const FitPoint& point) const {
   evaluate_all(residuals, point);
+  const double slope = mean_slope(problem, residuals);
   std::vector<MotionTerms> terms;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(problem.shared_count(), problem.shared_count());
   for (const Motion& motion : problem.motions) {
-    terms.push_back(motion_terms(problem, motion, residuals, point, free_directions(problem, motion, point)));
+    terms.push_back(
+        motion_terms(problem, motion, residuals, point, slope, free_directions(problem, motion, point)));
     normal += terms.back().normal;
   }
-  double slope = 0.0;  // mean(psi'): the weight of frames beside priors
-  for (const MotionTerms& one : terms) slope += one.dpsi_sum / problem.observation_count();
   normal += prior_terms(problem, point).information / std::max(slope, kLeastSlope);
   const std::vector<int> free = free_indices(at_bounds(problem.shared, problem.shared_chart, point.shared));
   const Eigen::MatrixXd inverse =

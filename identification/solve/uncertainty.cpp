@@ -20,13 +20,13 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Sums over all motions, and the priors.
 struct Totals {
   Eigen::MatrixXd normal, hessian;  ///< without priors of shared unknowns
-  Eigen::MatrixXd own_priors;       ///< of the normal matrix, what priors of own unknowns add
+  Eigen::MatrixXd own_priors;       ///< of the normal matrix, what priors of own unknowns add, over mean_dpsi
   Eigen::MatrixXd priors;           ///< what those of shared ones add to the Hessian
   Eigen::VectorXd diagonal_before;
   Eigen::MatrixXd cluster_scores;                                  ///< shared x clusters
   std::vector<Eigen::MatrixXd> cluster_normals, cluster_hessians;  ///< parts of the sums
   bool hessian_usable = true;
-  double psi_squares = 0.0, dpsi_sum = 0.0, spread = 0.0;
+  double psi_squares = 0.0, spread = 0.0;
   double mean_dpsi = 0.0;
   double own_unknowns = 0.0;  ///< that the data determine
 
@@ -35,7 +35,8 @@ struct Totals {
   Eigen::MatrixXd full_normal() const { return normal + priors / std::max(mean_dpsi, kLeastSlope); }
 };
 
-Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, const FitPoint& point) {
+Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, const FitPoint& point,
+              double slope) {
   Totals sum;
   const Eigen::Index shared_count = problem.shared_count();
   sum.normal.setZero(shared_count, shared_count);
@@ -56,12 +57,11 @@ Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, 
     sum.cluster_hessians[cluster] += terms[c].hessian;
     sum.hessian_usable = sum.hessian_usable && terms[c].hessian_usable;
     sum.psi_squares += terms[c].psi_squares;
-    sum.dpsi_sum += terms[c].dpsi_sum;
     sum.spread += spread(problem, problem.motions[c]);
     sum.own_unknowns += terms[c].own_unknowns;
   }
   sum.priors = prior_terms(problem, point).information;
-  sum.mean_dpsi = sum.dpsi_sum / problem.observation_count();
+  sum.mean_dpsi = slope;
   return sum;
 }
 
@@ -77,18 +77,19 @@ double naive_variance(const FitProblem& problem, const Totals& sum, double unkno
 ///
 ///     K (variance J^T J + P/m^2) K,
 ///
-/// where J^T J has a part of the priors of own unknowns, eliminated with them, which varies by itself too.
+/// where P has a part of the priors of own unknowns, too, eliminated with them.
 Eigen::MatrixXd naive_covariance(const Totals& sum, const std::vector<int>& free, const Eigen::MatrixXd& K,
                                  double variance) {
   const double m = std::max(sum.mean_dpsi, kLeastSlope);
-  return variance * K + (1.0 / m - variance) / m * (K * sum.priors(free, free) * K) +
-         (1.0 - variance) * (K * sum.own_priors(free, free) * K);
+  const Eigen::MatrixXd priors = sum.priors(free, free) / m + sum.own_priors(free, free);
+  return variance * K + (1.0 / m - variance) * (K * priors * K);
 }
 
 /// Of the free directions of a motion: with the shared unknowns known, and what their errors bring along.
-Eigen::MatrixXd own_covariance(const MotionTerms& terms, const Eigen::MatrixXd& shared, double variance) {
+Eigen::MatrixXd own_covariance(const MotionTerms& terms, const Eigen::MatrixXd& shared, double variance,
+                               double slope) {
   const Eigen::MatrixXd& K = terms.own_inverse.inverse;
-  return variance * K + (1.0 - variance) * K * terms.own_priors * K +
+  return variance * K + (1.0 / std::max(slope, kLeastSlope) - variance) * K * terms.own_priors * K +
          terms.projection * shared * terms.projection.transpose();
 }
 
@@ -181,11 +182,13 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
                                  const FitPoint& point) {
   Uncertainty result;
   evaluate_all(residuals, point);
+  const double slope = mean_slope(problem, residuals);
   std::vector<MotionTerms> terms;
   for (const Motion& motion : problem.motions) {
-    terms.push_back(motion_terms(problem, motion, residuals, point, free_directions(problem, motion, point)));
+    terms.push_back(
+        motion_terms(problem, motion, residuals, point, slope, free_directions(problem, motion, point)));
   }
-  const Totals sum = add_up(problem, terms, point);
+  const Totals sum = add_up(problem, terms, point, slope);
 
   // Those at a bound are asked too: an unknown without influence may have drifted there. What is left of one
   // beside the own unknowns must also stand out of rounding.
@@ -217,10 +220,10 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   for (std::size_t c = 0; c < terms.size(); ++c) {
     const BoundedDirections own = bounded_directions(problem, problem.motions[c], point);
     released.push_back(
-        own.any ? motion_terms(problem, problem.motions[c], residuals, point, own.all, own.information)
+        own.any ? motion_terms(problem, problem.motions[c], residuals, point, slope, own.all, own.information)
                 : terms[c]);
   }
-  const Totals loose = add_up(problem, released, point);
+  const Totals loose = add_up(problem, released, point, slope);
   const DeterminedInverse loose_inverse = invert_determined(loose.full_normal()(free, free), floor(free));
   result.naive = scattered(naive_covariance(loose, free, loose_inverse.inverse, variance), free, all);
   const ClusterErrors clustered =
@@ -229,7 +232,7 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   result.cluster_shares = Eigen::MatrixXd::Zero(all, problem.cluster_count);
   result.cluster_shares(free, Eigen::all) = clustered.shares;
   for (std::size_t c = 0; c < terms.size(); ++c) {
-    const Eigen::MatrixXd covariance = own_covariance(terms[c], result.naive, variance);
+    const Eigen::MatrixXd covariance = own_covariance(terms[c], result.naive, variance, slope);
     for (std::size_t k = 0; k < problem.motions[c].segment_count; ++k) {
       const Eigen::VectorXd& own = point.own[problem.motions[c].first_segment + k];
       result.own.push_back(
