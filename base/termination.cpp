@@ -8,10 +8,11 @@ namespace samara {
 
 namespace {
 
-constexpr std::array<std::string_view, 18> kTerminationNames = {
-    "converged",      "missed",     "not_resolved",   "ceases",    "no_contraction", "diverged",
-    "max_iterations", "rank_limit", "exhausted",      "stagnated", "noise",          "refuted",
-    "not_finite",     "failed",     "not_determined", "max_calls", "max_seconds",    "cancelled"};
+constexpr std::array<std::string_view, 19> kTerminationNames = {
+    "converged",      "missed",         "not_resolved", "ceases",      "no_contraction",
+    "diverged",       "max_iterations", "rank_limit",   "exhausted",   "stagnated",
+    "noise",          "refuted",        "not_finite",   "sign_change", "failed",
+    "not_determined", "max_calls",      "max_seconds",  "cancelled"};
 static_assert(kTerminationNames.size() == static_cast<std::size_t>(Termination::cancelled) + 1);
 
 }  // namespace

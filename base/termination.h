@@ -25,6 +25,7 @@ enum class Termination {
   noise,           ///< values are not smooth enough for the tolerance
   refuted,         ///< new points found the field wrong again and again
   not_finite,      ///< a value is infinite or not a number; where is said beside
+  sign_change,     ///< a denominator is zero or changes its sign; where is said beside
   failed,          ///< a function threw an exception or gave no answer
   not_determined,  ///< of a fit: the data do not tell the coefficients
   max_calls,       ///< no more evaluations, or calls, are allowed

@@ -7,6 +7,7 @@
 
 #include <toml++/toml.h>
 
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/base/number_text.h"
 #include "samara/base/text.h"
@@ -78,12 +79,24 @@ std::string as_string(const toml::node& value) {
   return value.as_string()->get();
 }
 
+/// A number to calculate with.
+double in_size(double number) {
+  const double size = std::abs(number);
+  if (!(size <= kLargestInput))
+    throw ArgumentError("has the number " + number_text(number) + ", expected at most " +
+                        number_text(kLargestInput) + " in size");
+  if (size > 0.0 && size < kSmallestInput)
+    throw ArgumentError("has the number " + number_text(number) + ", expected at least " +
+                        number_text(kSmallestInput) + " in size, or 0");
+  return number;
+}
+
 double as_number(const toml::node& value) {
   if (value.is_integer()) return static_cast<double>(value.as_integer()->get());
   if (!value.is_floating_point()) expected("a number", value);
   const double number = value.as_floating_point()->get();
   if (!std::isfinite(number)) expected("a finite number", value);
-  return number;
+  return in_size(number);
 }
 
 double as_quantity(const toml::node& value, std::string_view unit,
@@ -92,7 +105,7 @@ double as_quantity(const toml::node& value, std::string_view unit,
     if (!value.is_number()) expected("a number, or a string with a unit", value);
     return as_number(value);
   }
-  return to_si(value.as_string()->get(), unit);
+  return in_size(to_si(value.as_string()->get(), unit));
 }
 
 template <typename Convert>

@@ -64,7 +64,7 @@ class TomlTable {
   bool boolean(const std::string& key) const;
   /// Floats are refused, also whole ones.
   std::int64_t integer(const std::string& key) const;
-  /// Finite: the nan and inf of TOML are refused.
+  /// Finite, and 0 or of a size to calculate with (base/limits.h), as all that follow: others are refused.
   double number(const std::string& key) const;
   /// A number, taken to be in SI, or a string with a unit of the dimension of `unit`; the value in SI.
   double quantity(const std::string& key, std::string_view unit) const;

@@ -2,17 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "inputs/assignments.h"
 #include "inputs/flows.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/flow/files/flow_view.h"
+#include "samara/io/text_file.h"
 #include "samara/models/stochastic/fluid_seen.h"
 #include "samara/models/stochastic/gust_layout.h"
 #include "samara/models/wind/body_outline.h"
@@ -84,9 +87,7 @@ models::SeenOptions seen_options(const SimulateArguments& arguments, const model
   if (nu != parameters.end())
     seen.viscosity = model.parameters({})[static_cast<std::size_t>(nu - parameters.begin())];
   if (arguments.cloud.C_0.empty()) return seen;
-  seen.C_0 = number_or_quantity("--C0", arguments.cloud.C_0, "1");
-  if (!(seen.C_0 > 0.0))
-    throw ArgumentError(fmt::format("--C0 is {}, expected more than 0", arguments.cloud.C_0));
+  seen.C_0 = positive_quantity("--C0", arguments.cloud.C_0, "1");
   return seen;
 }
 
@@ -118,12 +119,9 @@ NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricMod
 NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
                  double body_radius) {
   const CloudWords& words = arguments.cloud;
-  flow::FlowPlacement placement = {.speed = number_or_quantity("--speed", words.speed, "m/s"),
-                                   .length = number_or_quantity("--length", words.length, "m"),
+  flow::FlowPlacement placement = {.speed = positive_quantity("--speed", words.speed, "m/s"),
+                                   .length = positive_quantity("--length", words.length, "m"),
                                    .stream_beyond = words.outside == "stream"};
-  for (const auto& [option, value] :
-       {std::pair("--speed", placement.speed), std::pair("--length", placement.length)})
-    if (!(value > 0.0)) throw ArgumentError(fmt::format("{} is {}, expected more than 0", option, value));
   if (!words.place.empty()) placement.body = place_of("--flow-place", words.place, "x, y, z");
   const auto stored =
       std::make_shared<const flow::StoredFlow>(flow_of_file(words.flow, words.flow_at, "--flow-set"));
@@ -148,19 +146,8 @@ NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricMod
                                      placement.stream_beyond ? ", in the stream beyond its grid" : "")};
 }
 
-}  // namespace
-
-bool has_air(const SimulateArguments& arguments) {
-  return !arguments.cloud.turbulence.empty() || !arguments.cloud.flow.empty() || !arguments.wind.empty();
-}
-
-NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
-                double body_radius) {
-  const bool has_flow = !arguments.cloud.flow.empty();
-  if (has_flow && !(arguments.wind.empty() && arguments.cloud.turbulence.empty()))
-    throw ArgumentError("--flow says another fluid than --wind or --turbulence: one of them was expected");
-  if (has_flow) return wake_of(arguments, model, seed, body_radius);
-  if (!arguments.wind.empty()) return wind_of(arguments, model, seed, body_radius);
+NamedAir turbulence_of(const SimulateArguments& arguments, const models::ParametricModel& model,
+                       std::uint64_t seed, double body_radius) {
   const TurbulenceWords words = words_of(arguments.cloud.turbulence);
   check(words, "k", "m^2/s^2", true);
   check(words, "deviation", "m/s", true);
@@ -181,6 +168,44 @@ NamedAir air_of(const SimulateArguments& arguments, const models::ParametricMode
       fmt::format(
           "{} turbulence, k = {:.6g} m^2/s^2, epsilon = {:.6g} m^2/s^3, stream ({:.6g}, {:.6g}, {:.6g}) m/s",
           words.decays ? "decaying" : "uniform", k, epsilon, stream.x(), stream.y(), stream.z())};
+}
+
+std::string identity_of(const SimulateArguments& arguments, const std::string& description,
+                        std::uint64_t seed, double body_radius) {
+  const CloudWords& words = arguments.cloud;
+  std::string text = fmt::format("{}, seed {}, radius {}, C_0 {}, rotation {}\n", description, seed,
+                                 body_radius, words.C_0, words.rotation);
+  // The description has rounded what these say.
+  text += fmt::format("speed {}, length {}, at {}, {}, turbulence {}\n", words.speed, words.length,
+                      words.place, fmt::join(words.flow_at, " "), fmt::join(words.turbulence, " "));
+  for (const std::string& file : {arguments.wind, words.flow}) {
+    if (file.empty()) continue;
+    if (!std::filesystem::is_regular_file(file)) return "";
+    // The files may have changed since.
+    std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
+    for (const char c : io::read_text_file(file, {.bytes = std::numeric_limits<std::size_t>::max()}))
+      hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+    text += fmt::format("{} {:016x}\n", file, hash);
+  }
+  return text;
+}
+
+}  // namespace
+
+bool has_air(const SimulateArguments& arguments) {
+  return !arguments.cloud.turbulence.empty() || !arguments.cloud.flow.empty() || !arguments.wind.empty();
+}
+
+NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
+                double body_radius) {
+  const bool has_flow = !arguments.cloud.flow.empty();
+  if (has_flow && !(arguments.wind.empty() && arguments.cloud.turbulence.empty()))
+    throw ArgumentError("--flow says another fluid than --wind or --turbulence: one of them was expected");
+  NamedAir air = has_flow                  ? wake_of(arguments, model, seed, body_radius)
+                 : !arguments.wind.empty() ? wind_of(arguments, model, seed, body_radius)
+                                           : turbulence_of(arguments, model, seed, body_radius);
+  air.identity = identity_of(arguments, air.description, seed, body_radius);
+  return air;
 }
 
 }  // namespace samara::apps

@@ -14,6 +14,8 @@ namespace samara::apps {
 struct NamedAir {
   std::shared_ptr<const models::AirSource> source;
   std::string description;  ///< for the files and the summary
+  /// What tells it from all other air, seed and contents of files included; empty where a file is a pipe.
+  std::string identity = {};
 };
 
 /// Whether the call says what fluid it is.

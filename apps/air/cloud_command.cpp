@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
-#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "air/air_sources.h"
 #include "air/cloud_animation.h"
@@ -18,11 +16,10 @@
 #include "inputs/assignments.h"
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/source/checkpoint.h"
+#include "samara/codebooks/source/realisation_checkpoint.h"
 #include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
-#include "samara/io/text_file.h"
 #include "samara/models/stochastic/gust_layout.h"
 #include "samara/models/stochastic/realisations.h"
 #include "terminal/interrupts.h"
@@ -78,10 +75,8 @@ double length_from(const std::string& option, const std::string& text) {
 
 /// A step resolves the body's own motion; that it resolves the air's is said afterwards.
 double step_of(const SimulateArguments& arguments, const models::ParametricModel& model) {
-  if (arguments.step.empty()) return std::min(1e-3, model.scales({}).time / 20.0);
-  const double step = number_or_quantity("--step", arguments.step, "s");
-  if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
-  return step;
+  return arguments.step.empty() ? models::step_of_body(model, {})
+                                : positive_quantity("--step", arguments.step, "s");
 }
 
 models::RealiseOptions options_of(const SimulateArguments& arguments, const models::ParametricModel& model) {
@@ -95,11 +90,8 @@ models::RealiseOptions options_of(const SimulateArguments& arguments, const mode
                                     .antithetic = words.antithetic,
                                     .progress = progress_line()};
   if (!words.ground.empty()) options.ground = length_from("--ground", words.ground);
-  if (!words.relative_error.empty()) {
-    options.relative_error = number_or_quantity("--relative-error", words.relative_error, "1");
-    if (!(options.relative_error > 0.0))
-      throw ArgumentError(fmt::format("--relative-error is {}, expected more than 0", words.relative_error));
-  }
+  if (!words.relative_error.empty())
+    options.relative_error = positive_quantity("--relative-error", words.relative_error, "1");
   // An animation is of all flights, as far as viewers bear them.
   if (io::is_scene_name(arguments.output) && words.keep.empty())
     options.keep = std::min(options.realisations, kMostAnimatedFlights);
@@ -127,6 +119,7 @@ void check_outputs(const SimulateArguments& arguments) {
   if (!arguments.output.empty() && ending != ".h5" && ending != ".csv" && !is_animation)
     throw ArgumentError(fmt::format("--output is {}, expected a name that ends in .csv, .h5, .glb or .usda",
                                     arguments.output));
+  if (ending == ".h5") check_file_output(arguments.output, {});
   if (ending != ".h5" && !is_animation && !arguments.cloud.keep.empty())
     throw ArgumentError("--keep: trajectories go into a file that ends in .h5, .glb or .usda, with --output");
   if (is_animation && whole_from("--keep", arguments.cloud.keep, 0L, 1L) < 1)
@@ -166,87 +159,13 @@ void warn_of_steps(const models::Ensemble& cloud, double step) {
   }
 }
 
-/// All that the flights depend on: those of a checkpoint by other words are not taken up. Empty where that
-/// cannot be said, because a file is a pipe.
-std::string call_of(const SimulateArguments& arguments, const models::ParametricModel& model,
-                    const Eigen::VectorXd& times, const models::RealiseOptions& options, std::uint64_t seed,
-                    double radius, const std::string& air) {
-  const CloudWords& words = arguments.cloud;
-  std::string text =
-      fmt::format("a cloud of {}\n{}\n", model.model().info().name, model.model().info().equations);
-  for (const auto& [name, value] : model.fixed()) text += fmt::format("{} = {}\n", name, value);
-  text += fmt::format("times {}\n", fmt::join(times.begin(), times.end(), " "));
-  text += fmt::format(
-      "{} seed {}, step {}, first {}, keep {}, antithetic {}, radius {}, C_0 {}, rotation {}\n", air, seed,
-      options.step, options.first, options.keep, options.antithetic, radius, words.C_0, words.rotation);
-  text += options.ground ? fmt::format("ground {}\n", *options.ground) : std::string("no ground\n");
-  text += fmt::format("states {}, up to {}\n", fmt::join(options.states, " "), options.relative_error);
-  text += fmt::format("speed {}, length {}, at {}, {}, outside {}\n", words.speed, words.length, words.place,
-                      fmt::join(words.flow_at, " "), words.outside == "stream" ? "stream" : "end");
-  for (const std::string& file : {arguments.wind, words.flow}) {
-    if (file.empty()) continue;
-    if (!std::filesystem::is_regular_file(file)) return "";
-    // The files may have changed since.
-    const std::string content = io::read_text_file(file);
-    std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
-    for (const char c : content) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-    text += fmt::format("{} {:016x}\n", file, hash);
-  }
-  return text;
-}
-
-/// Flies them in parts, and keeps what is done beside the output, so that the same call goes on after an end that was
-/// not its own.
-models::Ensemble fly(const std::string& output, const std::string& call, const models::ParametricModel& model,
-                     const models::AirSource& air, std::span<const double> times,
-                     const models::RealiseOptions& options) {
-  if (output.empty() || call.empty()) return models::realise(model, {}, air, times, options);
-  constexpr long kWave = 256;
-  constexpr double kSecondsOfPart = 10.0;
-  const std::filesystem::path path = output + ".checkpoint";
-  codebooks::Checkpoint checkpoint(path, call);
-  models::Ensemble cloud;
-  if (codebooks::is_checkpoint(path)) {
-    try {
-      cloud = models::ensemble_of(checkpoint.march(), model, {}, air, times, options);
-      if (cloud.realisations() > options.realisations) throw ArgumentError("it has more than are asked for");
-      narrate(fmt::format("{} holds {} realisations of this call, which goes on from there", path.string(),
-                          cloud.realisations()));
-    } catch (const Error&) {
-      narrate(fmt::format("{} is of another call, and is replaced", path.string()));
-      cloud = {};
-    }
-  }
-  long part = 4 * kWave;
-  while (cloud.realisations() < options.realisations) {
-    const long done = cloud.realisations();
-    models::RealiseOptions next = options;
-    next.realisations = std::min(options.realisations, done + part);
-    const auto share = [&](double fraction) {
-      const auto flown = static_cast<double>(done) + fraction * static_cast<double>(next.realisations - done);
-      return flown / static_cast<double>(options.realisations);
-    };
-    if (options.progress)
-      next.progress = [&](const Progress& report) {
-        return options.progress({report.stage, share(report.fraction)});
-      };
-    const auto begin = std::chrono::steady_clock::now();
-    cloud = done == 0 ? models::realise(model, {}, air, times, next)
-                      : models::resume(cloud, model, {}, air, times, next);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    const bool is_whole =
-        cloud.realisations() < next.realisations || next.realisations == options.realisations;
-    if (cloud.cancelled || !is_whole) {
-      // A part that ends between waves cannot be gone on from.
-      if (cloud.realisations() > 0 && cloud.realisations() % kWave == 0)
-        checkpoint.save_march(models::numbers_of(cloud));
-    }
-    if (cloud.cancelled || is_whole) break;
-    if (took.count() < kSecondsOfPart) part *= 2;
-  }
-  std::error_code ignored;
-  if (!cloud.cancelled) std::filesystem::remove(path, ignored);
-  return cloud;
+/// Where what is done is kept; nowhere without a file to write, or where an input is a pipe.
+codebooks::RealisationCheckpoint checkpoint_of(const std::string& output, const NamedAir& air) {
+  if (output.empty() || air.identity.empty()) return {};
+  return {.file = output + ".checkpoint",
+          .air = air.identity,
+          .note = [](const std::string& sentence) { narrate(sentence); },
+          .warning = [](const std::string& sentence) { warn(sentence); }};
 }
 
 }  // namespace
@@ -304,9 +223,9 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   const double radius = radius_of(arguments, model);
   const NamedAir air = air_of(arguments, model, seed, radius);
   catch_interrupts();
-  const std::string call = call_of(arguments, model, times, options, seed, radius, air.description);
-  models::Ensemble cloud = fly(arguments.output, call, model, *air.source,
-                               {times.data(), static_cast<std::size_t>(times.size())}, options);
+  models::Ensemble cloud =
+      codebooks::realise(model, {}, *air.source, {times.data(), static_cast<std::size_t>(times.size())},
+                         options, checkpoint_of(arguments.output, air));
   clear_progress();
   if (cloud.realisations() == 0) {
     warn("interrupted before the first 256 realisations were done");

@@ -40,10 +40,7 @@ struct WindArguments {
 constexpr std::array kDirections = {"along", "across", "vertical"};
 
 double positive_time(const std::string& option, const std::string& text, double otherwise) {
-  if (text.empty()) return otherwise;
-  const double value = number_or_quantity(option, text, "s");
-  if (!(value > 0.0)) throw ArgumentError(fmt::format("{} is {}, expected more than 0", option, text));
-  return value;
+  return text.empty() ? otherwise : positive_quantity(option, text, "s");
 }
 
 wind::SeriesOptions series_options(const WindArguments& arguments, const codebooks::SeriesKind& kind) {

@@ -11,7 +11,6 @@
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
-#include "samara/io/atomic_file.h"
 #include "samara/io/file_lock.h"
 #include "samara/io/toml_document.h"
 #include "terminal/interrupts.h"
@@ -23,16 +22,15 @@ namespace samara::apps {
 
 namespace {
 
-/// A build may take long: that its result cannot be written should be known before. No stream takes a
-/// codebook, and no other file is lost to one.
+/// A build may take long: that its result cannot be written should be known before. No other file is lost to a
+/// codebook.
 void check_target(const BuildArguments& arguments) {
-  check_output(arguments.output, {arguments.plan});
+  check_file_output(arguments.output, {arguments.plan});
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(arguments.output, ignored);
   if (is_file && !arguments.force && !codebooks::is_codebook(arguments.output))
     throw ArgumentError(
         fmt::format("the output \"{}\" is a file, and no codebook: --force replaces it", arguments.output));
-  const io::PendingFile probe(arguments.output);
 }
 
 /// The file of the body's mesh; empty without one.

@@ -8,10 +8,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "inputs/assignments.h"
 #include "inputs/query_points.h"
 #include "options/option_parts.h"
 #include "pictures/animation.h"
+#include "pictures/shown_bodies.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/book/book_model.h"
@@ -205,7 +205,8 @@ int run_composed(const QueryArguments& arguments, const Codebook& book) {
   Labels outputs;
   for (const models::FamilyOutput& output : family->info().outputs)
     outputs.push_back({output.name, output.unit});
-  const Eigen::Index rows = result.outcome ? times.size() : (times.array() <= result.outcome.reached).count();
+  const Eigen::Index rows =
+      models::rows_reached(result.outcome, {times.data(), static_cast<std::size_t>(times.size())});
   const int code = write(arguments, book, outputs, points, result.values, rows);
   if (result.outcome) return code;
   warn(fmt::format("{}; values after t = {:.6g} are empty", result.outcome.message, result.outcome.reached));
@@ -264,10 +265,7 @@ int run_query(const QueryArguments& arguments) {
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   if (io::is_scene_name(arguments.output)) return run_animated(arguments, book);
-  for (const std::string& text : arguments.body.sizes) number_or_quantity("--size", text, "m");
-  if (!arguments.body.body.empty() || !arguments.body.sizes.empty() || !arguments.body.unit.empty())
-    throw ArgumentError(
-        "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
+  refuse_shown(arguments.body);
   if (!arguments.until.empty()) return run_composed(arguments, book);
   const QueryPoints points = points_of(book, arguments);
   warn_of_clamped(points);

@@ -53,9 +53,7 @@ struct FitArguments {
 /// s; empty where the command does not say.
 std::optional<double> time_of(const std::string& option, const std::string& text) {
   if (text.empty()) return {};
-  const double time = number_or_quantity(option, text, "s");
-  if (time > 0.0) return time;
-  throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", option, time));
+  return positive_quantity(option, text, "s");
 }
 
 id::FitRequest request_of(const FitArguments& arguments) {
@@ -91,10 +89,7 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   for (const std::filesystem::path& file : id::files_read(request)) inputs.push_back(file.string());
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
-  if (!arguments.series.empty()) {
-    check_output(arguments.series, inputs);
-    const io::PendingFile probe(arguments.series);  // no stream takes a codebook
-  }
+  if (!arguments.series.empty()) check_file_output(arguments.series, inputs);
   const auto is_problem = [](const std::string& file) {
     return file.ends_with(".yaml") || file.ends_with(".yml");
   };
@@ -123,11 +118,11 @@ void write(const FitArguments& arguments, const id::FitReport& report) {
   };
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, json());
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(report.fit));
-  if (!arguments.petab.empty() && report.fit.status != id::FitStatus::failed) {
+  if (!arguments.petab.empty() && report.fit.status != Termination::failed) {
     io::write_text_atomically(petab_files(arguments)[0], report.petab_parameters);
     io::write_text_atomically(petab_files(arguments)[1], report.petab_simulations);
   }
-  if (!arguments.series.empty() && report.series->status != id::FitStatus::failed)
+  if (!arguments.series.empty() && report.series->status != Termination::failed)
     codebooks::save(id::series_codebook(*report.series), arguments.series);
   const auto text = [&] {
     return report.series ? id::series_text(*report.series) : id::fit_text(report.fit);

@@ -100,7 +100,7 @@ int run_follow(const FollowArguments& arguments) {
   check_files(arguments);
   const id::FollowReport report = id::follow_files(request);
   clear_progress();
-  for (const std::string& sentence : report.warnings) warn(sentence);
+  for (const id::Warning& warning : report.warnings) warn(warning.sentence);
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::follow_csv(report));
   print(arguments.json ? id::follow_json(report) : wrapped_prose(printable(id::follow_text(report), "\n")));
   return kDone;

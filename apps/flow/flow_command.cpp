@@ -37,7 +37,7 @@ struct FlowArguments {
 
 /// A run may take hours: that its result cannot be written should be known before, and no other file is lost to it.
 void check_flow_target(const FlowArguments& arguments) {
-  check_output(arguments.output, {arguments.plan});
+  check_file_output(arguments.output, {arguments.plan});
   std::error_code ignored;
   if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output) &&
       !codebooks::is_codebook(arguments.output))

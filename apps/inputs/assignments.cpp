@@ -47,6 +47,12 @@ double number_or_quantity(const std::string& what, const std::string& text, cons
   return small_enough(what, text, any_number_or_quantity(what, text, unit, quantity_to_si));
 }
 
+double positive_quantity(const std::string& what, const std::string& text, const std::string& unit) {
+  const double value = number_or_quantity(what, text, unit);
+  if (value > 0.0) return value;
+  throw ArgumentError(fmt::format("{} is {}, expected more than 0", what, text));
+}
+
 double number_or_difference(const std::string& what, const std::string& text, const std::string& unit) {
   return small_enough(what, text, any_number_or_quantity(what, text, unit, difference_to_si));
 }

@@ -24,7 +24,10 @@ Setting setting_of(const std::string& option, const std::string& text);
 /// @throws ArgumentError naming `what` and the text.
 double number_or_quantity(const std::string& what, const std::string& text, const std::string& unit);
 
-/// The same of an error or a deviation, which degrees Celsius are none of.
+/// The same of what must be more than 0.
+double positive_quantity(const std::string& what, const std::string& text, const std::string& unit);
+
+/// The same as number_or_quantity() of an error or a deviation, which degrees Celsius are none of.
 double number_or_difference(const std::string& what, const std::string& text, const std::string& unit);
 
 /// "0.2", or from and to: "20 deg..60 deg". @throws ArgumentError as number_or_quantity()

@@ -30,10 +30,8 @@ std::vector<double> times_of(const Codebook& book, const QueryArguments& argumen
   const Coordinate& time = book.time(is_composed ? "--until" : arguments.frames ? "--frames" : "--at");
   const std::vector<double> times = numbers_of("--at", arguments.at, time.unit);
   if (!times.empty()) return times;
-  const double end = is_composed ? number_or_quantity("--until", arguments.until, time.unit) : time.upper;
+  const double end = is_composed ? positive_quantity("--until", arguments.until, time.unit) : time.upper;
   const double begin = is_composed ? 0.0 : time.lower;
-  if (!(end > begin))
-    throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
   constexpr int kUsualTimes = 11;
   const Eigen::VectorXd all = even_times(arguments.frames.value_or(kUsualTimes), begin, end);
   return {all.begin(), all.end()};

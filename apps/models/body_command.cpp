@@ -10,7 +10,6 @@
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
 #include "options/option_parts.h"
-#include "samara/base/errors.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
 
@@ -73,11 +72,7 @@ std::string words_of(const models::BodyInFluid& described, const std::map<std::s
 int run_body(const BodyArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.words.body});
   std::optional<double> viscosity;
-  if (!arguments.viscosity.empty()) {
-    viscosity = number_or_quantity("--viscosity", arguments.viscosity, "Pa s");
-    if (!(*viscosity > 0.0))
-      throw ArgumentError(fmt::format("--viscosity is {}, expected more than 0", arguments.viscosity));
-  }
+  if (!arguments.viscosity.empty()) viscosity = positive_quantity("--viscosity", arguments.viscosity, "Pa s");
   const models::BodyInFluid described = work_out(description_of(arguments.words));
   const models::Body& body = described.body;
   const std::map<std::string, double> numbers = models::scaling_numbers(described, viscosity);

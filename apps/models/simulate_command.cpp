@@ -132,8 +132,7 @@ Table beside(const Table& left, const Table& right) {
 /// integrators stop.
 double end_of(const SimulateArguments& arguments, const models::ParametricModel& parametric) {
   const std::string unit = models::time_unit(parametric.model().info());
-  const double end = number_or_quantity("--until", arguments.until, unit);
-  if (!(end > 0.0)) throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
+  const double end = positive_quantity("--until", arguments.until, unit);
   parametric.check({});
   const double least = 1e-12 * parametric.scales({}).time;
   if (end < least) {
@@ -181,8 +180,7 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
   const double longest = std::isfinite(gust) ? 0.25 * gust : 0.0;
   if (arguments.integrator == "adaptive") return models::AdaptiveOptions{.max_step = longest};
   if (!fixed) return models::IntegrateOptions{.stiff = stiff, .max_step = longest};
-  const double step = number_or_quantity("--step", arguments.step, models::time_unit(info));
-  if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
+  const double step = positive_quantity("--step", arguments.step, models::time_unit(info));
   if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, step);
   if (arguments.integrator == "rk4") return models::Rk4Options{.step = step};
   if (arguments.integrator == "rkmk") return models::RkmkOptions{.step = step};
@@ -271,7 +269,8 @@ int run_simulate(const SimulateArguments& arguments) {
   Table table = output_table(info, family->info().outputs, times, trajectory.values);
   if (arguments.forces) table = beside(table, force_table(parametric, times, trajectory.values));
   const models::TrajectoryOutcome& outcome = trajectory.outcome;
-  const Eigen::Index rows = outcome ? times.size() : (times.array() <= outcome.reached).count();
+  const Eigen::Index rows =
+      models::rows_reached(outcome, {times.data(), static_cast<std::size_t>(times.size())});
   bool all_numbers = true;
   for (Eigen::Index c = 0; c < table.rows.cols(); ++c) {
     const std::string& header = table.header[static_cast<std::size_t>(c)];

@@ -41,7 +41,7 @@ void check_target(const std::string& path) {
 
 int run_database(const DatabaseArguments& arguments) {
   catch_interrupts();
-  check_output(arguments.output, {arguments.sweep});
+  check_file_output(arguments.output, {arguments.sweep});
   check_target(arguments.output);
   const motion::Sweep sweep = motion::load_sweep(arguments.sweep);
   motion::MotionDatabase database;

@@ -129,10 +129,7 @@ CaptureBody body_of_captures(const PatternsArguments& arguments) {
     body.numbers = motion::fall_numbers(model.model(), model.parameters({}));
     body.length = body.numbers->length;
   }
-  if (arguments.length.empty()) return body;
-  body.length = number_or_quantity("--length", arguments.length, "m");
-  if (!(body.length > 0.0))
-    throw ArgumentError(fmt::format("--length is {}, expected more than 0", arguments.length));
+  if (!arguments.length.empty()) body.length = positive_quantity("--length", arguments.length, "m");
   return body;
 }
 

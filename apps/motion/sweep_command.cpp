@@ -9,7 +9,6 @@
 #include "motion/motion_answers.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
-#include "samara/io/atomic_file.h"
 #include "samara/io/file_lock.h"
 #include "samara/motion/sweeps/refining.h"
 #include "samara/motion/sweeps/sweep_file.h"
@@ -30,11 +29,10 @@ struct SweepArguments {
 };
 
 void check_sweep_target(const SweepArguments& arguments) {
-  check_output(arguments.output, {arguments.plan});
+  check_file_output(arguments.output, {arguments.plan});
   std::error_code ignored;
   if (std::filesystem::is_regular_file(arguments.output, ignored) && !motion::is_sweep(arguments.output))
     throw ArgumentError(fmt::format("the output \"{}\" is a file, and no sweep", arguments.output));
-  const io::PendingFile probe(arguments.output);
 }
 
 motion::SweepOptions sweep_options(const SweepArguments& arguments) {

@@ -10,6 +10,7 @@
 
 #include "options/option_parts.h"
 #include "pictures/animation.h"
+#include "pictures/shown_bodies.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/identification/series/series_codebook.h"
@@ -48,18 +49,14 @@ void check_outputs(const SynthesizeArguments& arguments, const std::vector<std::
     throw ArgumentError(
         fmt::format("-o is \"{}\", expected a name that ends in .glb, .usda or .csv", arguments.output));
   }
-  if (is_csv &&
-      (!arguments.body.body.empty() || !arguments.body.sizes.empty() || !arguments.body.unit.empty())) {
-    throw ArgumentError(
-        "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
-  }
+  if (is_csv) refuse_shown(arguments.body);
   const std::vector<std::pair<std::string, std::string>> written = {{"--output", arguments.output},
                                                                     {"--course", arguments.course},
                                                                     {"--csv", arguments.csv},
                                                                     {"--picture", arguments.picture},
                                                                     {"--report", arguments.report}};
   for (const auto& [option, path] : written)
-    if (!path.empty()) check_output(path, inputs);
+    if (!path.empty()) (option == "--course" ? check_file_output : check_output)(path, inputs);
   check_outputs_differ(written);
   check_ending("--picture", arguments.picture, ".svg");
   check_ending("--report", arguments.report, ".html");

@@ -44,10 +44,6 @@ bool begins_as_number(std::string_view word) {
   return !word.empty() && is_digit(word.front());
 }
 
-bool is_option(std::string_view word) {
-  return word.size() > 1 && word.front() == '-' && !begins_as_number(word);
-}
-
 bool is_there(const std::string& word) {
   std::error_code ignored;
   return std::filesystem::exists(word, ignored);
@@ -77,6 +73,10 @@ bool takes_value(const CLI::App& command, const std::string& word) {
 }
 
 }  // namespace
+
+bool is_option(std::string_view word) {
+  return word.size() > 1 && word.front() == '-' && !begins_as_number(word);
+}
 
 const CLI::App* command_of(const CLI::App& app, const std::string& name) {
   for (const CLI::App* command : app.get_subcommands({}))

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -8,6 +9,9 @@ class App;
 }
 
 namespace samara::apps {
+
+/// "-x", "--at=3"; neither "-", a stream, nor "-5".
+bool is_option(std::string_view word);
 
 /// The command of that name; null where there is none.
 const CLI::App* command_of(const CLI::App& app, const std::string& name);

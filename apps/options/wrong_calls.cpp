@@ -1,5 +1,6 @@
 #include "options/wrong_calls.h"
 
+#include <algorithm>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -42,18 +43,24 @@ std::vector<std::string> long_names(const CLI::App& command) {
   return names;
 }
 
+/// Of the words that the parser has left; a "--" is among them.
+bool is_unknown_option(const std::string& word) {
+  return is_option(word) && word != "--";
+}
+
 /// Words that no option and no input has taken.
 std::string sentence_of_extras(const std::vector<std::string>& words, const CLI::App& command) {
   const std::vector<std::string> known = long_names(command);
   for (const std::string& word : words) {
-    if (word.size() < 2 || word.front() != '-') continue;
+    if (!is_unknown_option(word)) continue;
     const std::string name = word.substr(0, word.find('='));
     const std::string near = nearest_name(name, known);
     return fmt::format("{} has no option {}{}", command.get_name(), in_quotes(name),
                        near.empty() ? std::string() : fmt::format("; did you mean {}?", near));
   }
+  const auto stray = std::ranges::find_if(words, [](const std::string& word) { return word != "--"; });
   return fmt::format("{} does not take {} as well", command.get_name(),
-                     words.empty() ? std::string("more words") : in_quotes(words.front()));
+                     stray == words.end() ? std::string("more words") : in_quotes(*stray));
 }
 
 /// "NAME: REASON" of a value that a check refused.
@@ -141,8 +148,11 @@ void check_command(const CLI::App& app, const std::vector<std::string>& words) {
 std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
   const CLI::App& command = called(app);
   const std::string said = error.what();
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
-    return sentence_of_extras(command.remaining(), command);
+  const std::vector<std::string> extras = command.remaining();
+  // What else is wrong may come from an option that there is not.
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+      std::ranges::any_of(extras, is_unknown_option))
+    return sentence_of_extras(extras, command);
   if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr) return sentence_of_value(said);
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) return sentence_of_count(said);
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr && said.starts_with("Could not convert"))

@@ -1,6 +1,6 @@
 #include "pictures/shown_bodies.h"
 
-#include <algorithm>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -11,9 +11,25 @@
 
 namespace samara::apps {
 
-std::optional<models::TriangleMesh> shown_mesh(const ShownWords& words) {
+namespace {
+
+std::vector<double> sizes_of(const ShownWords& words) {
   std::vector<double> sizes;
   for (const std::string& text : words.sizes) sizes.push_back(number_or_quantity("--size", text, "m"));
+  return sizes;
+}
+
+}  // namespace
+
+void refuse_shown(const ShownWords& words) {
+  sizes_of(words);
+  if (words.body.empty() && words.sizes.empty() && words.unit.empty()) return;
+  throw ArgumentError(
+      "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
+}
+
+std::optional<models::TriangleMesh> shown_mesh(const ShownWords& words) {
+  const std::vector<double> sizes = sizes_of(words);
   if (words.body.empty()) {
     if (words.sizes.empty() && words.unit.empty()) return std::nullopt;
     throw ArgumentError("--size and --unit are of a body: --body was expected");

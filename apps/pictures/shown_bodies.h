@@ -11,4 +11,7 @@ namespace samara::apps {
 /// @throws ArgumentError for sizes or a unit that do not belong to it; InputError for a mesh that cannot be read
 std::optional<models::TriangleMesh> shown_mesh(const ShownWords& words);
 
+/// Where nothing is drawn. @throws ArgumentError if a body was asked for
+void refuse_shown(const ShownWords& words);
+
 }  // namespace samara::apps

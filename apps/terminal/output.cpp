@@ -50,6 +50,13 @@ void check_output(const std::string& path, const std::vector<std::string>& input
   io::require_writable(path);
 }
 
+void check_file_output(const std::string& path, const std::vector<std::string>& inputs) {
+  if (path == "-")
+    throw ArgumentError("the output is \"-\", but HDF5 goes to no stream; the name of a file was expected");
+  check_output(path, inputs);
+  const io::PendingFile probe(path);
+}
+
 namespace {
 
 /// What two names of one file have in common; links count, but not those of streams, which all may write to.

@@ -25,6 +25,8 @@ void print(const Json& object);
 /// Before the work is done: whether an answer can be written to the file.
 /// @throws ArgumentError if not, or if it is one of the inputs.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
+/// The same of a codebook or another file in HDF5, which no stream takes.
+void check_file_output(const std::string& path, const std::vector<std::string>& inputs);
 /// Options that name files to write, with the names; those without one are not asked for.
 /// @throws ArgumentError where two name the same file, also through links.
 void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written);

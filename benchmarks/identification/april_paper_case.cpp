@@ -13,7 +13,6 @@ namespace samara::benchmarks::identification {
 namespace {
 
 using samara::identification::FitResult;
-using samara::identification::FitStatus;
 
 constexpr const char* kCase = "april_paper";
 
@@ -37,7 +36,7 @@ void april_paper_case(const Options& options) {
     // A coefficient that is not identified is no number.
     if (v.identified) print({kBench, kCase, v.name, v.value});
   }
-  print({kBench, kCase, "converged", fitted.status == FitStatus::converged ? 1.0 : 0.0});
+  print({kBench, kCase, "converged", fitted.status == Termination::converged ? 1.0 : 0.0});
   print({kBench, kCase, "identified", static_cast<double>(identified)});
   print({kBench, kCase, "windows", static_cast<double>(windows.size())});
   for (const auto& output : fitted.residuals) {

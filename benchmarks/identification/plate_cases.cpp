@@ -16,7 +16,6 @@ namespace {
 using samara::identification::Coefficient;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
-using samara::identification::FitStatus;
 
 /// A coefficient is identified if its standard error is less than this share of it.
 constexpr double kIdentified = 0.05;
@@ -51,7 +50,7 @@ void run(const std::string& test_case, double inertia_ratio, int seeds) {
   for (int seed = 1; seed <= seeds; ++seed) {
     const FitResult result = fit_one(inertia_ratio, static_cast<std::uint64_t>(seed));
     times.push_back(result.seconds);
-    bool near = result.status == FitStatus::converged;
+    bool near = result.status == Termination::converged;
     for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
       const Coefficient& c = result.coefficients[k];
       const auto truth = std::ranges::find(plate_coefficients(), c.name, &Truth::name);

@@ -91,7 +91,7 @@ std::vector<Claim> claims_of(const FitResult& result, std::size_t coefficient) {
 
 void Claims::add(const FitResult& result) {
   ++fits_;
-  converged_ += result.status == samara::identification::FitStatus::converged ? 1 : 0;
+  converged_ += result.status == Termination::converged ? 1 : 0;
 }
 
 void Claims::add_halves(const FitResult& one, const FitResult& other) {

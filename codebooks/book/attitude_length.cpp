@@ -47,8 +47,7 @@ std::optional<AttitudeLength> AttitudeLength::of(const Codebook& book, const std
   for (const models::StateInfo& state : quaternion_states(book)) {
     const std::string initial = state.name + "(0)";
     if (std::ranges::count(book.coordinates(), initial, &Coordinate::name) > 0) return std::nullopt;
-    const auto fixed = book.model().fixed.find(initial);
-    const double start = fixed == book.model().fixed.end() ? state.default_initial : fixed->second;
+    const double start = models::held_start(state, book.model().fixed);
     square += start * start;
   }
   result.length_ = std::sqrt(square);

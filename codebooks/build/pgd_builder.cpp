@@ -115,7 +115,7 @@ FieldGroup as_sum(pgd::TrainField field, const std::vector<double>& ranges, doub
   train.cores[0].left_unfolding() = scale.cwiseInverse().asDiagonal() * train.cores[0].left_unfolding();
   const double bound = tolerance / kPeak * std::sqrt(pgd::full_size(train));
   pgd::Separation sum = pgd::separate(train, bound);
-  if (sum.status != pgd::SeparationStatus::met) return field;
+  if (sum.status != Termination::converged) return field;
   const Eigen::MatrixXd weights =
       scale.asDiagonal() * sum.tensor.factors[0] * sum.tensor.weights.asDiagonal();
   sum.tensor.factors.erase(sum.tensor.factors.begin());

@@ -246,6 +246,7 @@ class SteppedBuild {
     options.guard_entries = plan_.builder.guards.value_or(500);
     options.first_pivots = 50;
     options.growth = 1.0;
+    options.few_places = true;
     if (grid_.front()) options.max_evaluations = kMostBeforeFront;
     if (grid_.has_elements() && plan_.builder.max_calls == 0) options.max_evaluations = kMostOverElements;
     options.seed = random_.bits();

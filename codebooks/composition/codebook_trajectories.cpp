@@ -170,10 +170,8 @@ class FlowMapTrajectories final : public models::TrajectoryFamily {
     info_.outputs.clear();
     for (const models::StateInfo& state : equations_->model().info().states) {
       info_.outputs.push_back({state.name, state.unit});
-      const std::string name = state.name + "(0)";
-      const auto held = info_.fixed.find(name);
-      starts_.push_back({models::position(info_.coordinates, name),
-                         held == info_.fixed.end() ? state.default_initial : held->second});
+      starts_.push_back(
+          {models::position(info_.coordinates, state.name + "(0)"), models::held_start(state, info_.fixed)});
     }
     for (std::size_t k = 0; k < info_.coordinates.size(); ++k) {
       if (!info_.coordinates[k].is_initial) parameters_.push_back(k);

@@ -81,12 +81,13 @@ struct Shift {
   double codebook_start = 0.0;                 ///< what the codebook starts from
 };
 
-/// Where trajectories start whose start nothing holds.
-double default_start(const models::ParametricModel* equations, const std::string& output) {
-  if (equations == nullptr) return 0.0;
+/// The state that an output is; of one that no equations know the default is 0.
+models::StateInfo state_of(const models::ParametricModel* equations, const std::string& output) {
+  models::StateInfo unknown{.name = output, .unit = {}};
+  if (equations == nullptr) return unknown;
   const std::vector<models::StateInfo>& states = equations->model().info().states;
   const auto state = std::ranges::find(states, output, &models::StateInfo::name);
-  return state == states.end() ? 0.0 : state->default_initial;
+  return state == states.end() ? unknown : *state;
 }
 
 /// @param equations of the family, null if it has none
@@ -100,12 +101,10 @@ std::vector<Shift> shifts_of(const Codebook& book, const models::FamilyInfo& dir
     const bool is_axis =
         std::ranges::any_of(book.coordinates(), [&](const Coordinate& c) { return c.name == start; });
     if (!moves || is_axis) continue;
-    const auto value_of = [&](const std::map<std::string, double>& values) {
-      const auto found = values.find(start);
-      return found == values.end() ? default_start(equations, outputs[o]) : found->second;
-    };
+    const models::StateInfo state = state_of(equations, outputs[o]);
     shifts.push_back({static_cast<Eigen::Index>(o), position(direct.coordinates, start),
-                      value_of(direct.fixed), value_of(book.model().fixed)});
+                      models::held_start(state, direct.fixed),
+                      models::held_start(state, book.model().fixed)});
   }
   return shifts;
 }

@@ -24,12 +24,6 @@ std::optional<int> find_name(const auto& list, const std::string& name) {
   return static_cast<int>(found - list.begin());
 }
 
-/// Fixed or default.
-double initial_value(const Codebook& book, const models::StateInfo& state) {
-  const auto fixed = book.model().fixed.find(state.name + "(0)");
-  return fixed == book.model().fixed.end() ? state.default_initial : fixed->second;
-}
-
 /// How the attitude of a model with a quaternion is to be reduced. None: every number of it is an axis, or
 /// the model has none.
 std::optional<ReducedAttitude> reduced_attitude(const Codebook& book, const models::ModelInfo& info) {
@@ -46,8 +40,9 @@ std::optional<ReducedAttitude> reduced_attitude(const Codebook& book, const mode
   for (const bool is_upside_down : {false, true}) {
     const int held = is_upside_down ? 1 : 0, yaw = is_upside_down ? 2 : 3;
     const int first = is_upside_down ? 0 : 1, second = is_upside_down ? 3 : 2;
-    const double length = initial_value(book, state(held));
-    const bool without_yaw = turns && !is_axis(yaw) && initial_value(book, state(yaw)) == 0.0;
+    const double length = models::held_start(state(held), book.model().fixed);
+    const bool without_yaw =
+        turns && !is_axis(yaw) && models::held_start(state(yaw), book.model().fixed) == 0.0;
     if (!is_axis(held) && length != 0.0 && is_axis(first) && is_axis(second) && (without_yaw || is_axis(yaw)))
       return ReducedAttitude(info, group->first, length, without_yaw, is_upside_down);
   }
@@ -85,7 +80,7 @@ WindowChart::Carried WindowChart::carry(const models::ModelInfo& info, std::size
         fmt::format("a flow map needs an axis \"{}(0)\": the model \"{}\" notices where {} starts", name,
                     info.name, name));
   }
-  result.origin = initial_value(*book_, info.states[state]);
+  result.origin = models::held_start(info.states[state], book_->model().fixed);
   return result;
 }
 

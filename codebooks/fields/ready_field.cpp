@@ -81,7 +81,7 @@ double highest_of(const Plan& plan, const std::string& name) {
 int nodes_for(double ratio, pgd::Transform transform, double aim) {
   const double digits = -std::log(aim);
   if (transform != pgd::Transform::logarithm)
-    return 3 + static_cast<int>(std::ceil(0.6 * digits * std::sqrt(ratio)));
+    return 3 + static_cast<int>(std::min(1e6, std::ceil(0.6 * digits * std::sqrt(ratio))));
   const double strip = std::numbers::pi / std::log(ratio);
   return 4 + static_cast<int>(std::ceil(digits / std::asinh(strip)));
 }
@@ -108,6 +108,12 @@ Axis parameter_axis(const Plan& plan, const BoxEntry& entry, double aim) {
         .over_interval({entry.name, unit, AxisRole::parameter, transform}, entry.lower, entry.upper, count);
   };
   if (entry.nodes) return axis(*entry.nodes);
+  constexpr int kMostNodes = 2000;  // that a plan may ask for
+  if (nodes > kMostNodes)
+    throw ArgumentError(
+        fmt::format("{} goes from {} to {} in [box], which takes more than {} nodes; a narrower interval, or "
+                    "transform = \"log\", was expected",
+                    entry.name, entry.lower, entry.upper, kMostNodes));
   // Equations are weighed by the quadrature of the axis, which a logarithm over decades leaves positive on enough
   // nodes only.
   constexpr int kMost = 400;

@@ -60,7 +60,6 @@ BoxEntry read_box_entry(const TomlTable& box, const std::string& key, const std:
   }
   if (range.size() != 2)
     throw box.error(key, fmt::format("has {} numbers, expected an interval [lower, upper]", range.size()));
-  for (const double end : range) check_size(box, key, end);
   if (!(range[0] < range[1])) {
     throw box.error(key, fmt::format("is the interval [{}, {}], expected lower < upper", range[0], range[1]));
   }

@@ -46,7 +46,6 @@ void read_coordinates(const TomlTable& root, const PlanSubject& subject, Plan& p
     for (const std::string& key : fixed->keys()) {
       plan.fixed[key] =
           fixed->quantity(key, unit_of(*fixed, key, subject.settable, subject, subject.what_settable));
-      check_size(*fixed, key, plan.fixed[key]);
       check_meaning(*fixed, key, subject, plan.fixed[key]);
     }
   }
@@ -73,11 +72,7 @@ void read_time(const TomlTable& root, const PlanSubject& subject, Plan& plan) {
   const TomlTable time = root.table("time");
   time.expect_keys({"end"});
   plan.end = time.quantity("end", subject.time_unit);
-  check_size(time, "end", plan.end);
   if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
-  constexpr double kShortest = 1e-60;
-  if (plan.end < kShortest)
-    throw time.error("end", fmt::format("is {}, expected at least {}", plan.end, kShortest));
 }
 
 bool is_given(const Plan& plan, const std::string& name) {

@@ -1,6 +1,5 @@
 #include "samara/codebooks/plan/plan_subject.h"
 
-#include <cmath>
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -8,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/models/equations/equation_model.h"
@@ -84,11 +82,6 @@ const std::string& unit_of(const TomlTable& table, const std::string& key,
   for (const auto& [name, unit] : units) known.push_back(name);
   throw table.error(key,
                     fmt::format("{} has no {} of this name{}", subject.name, what, suggestion(key, known)));
-}
-
-void check_size(const TomlTable& table, const std::string& key, double value) {
-  if (std::abs(value) <= kLargestInput) return;
-  throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargestInput));
 }
 
 void check_meaning(const TomlTable& table, const std::string& key, const PlanSubject& subject, double value) {

@@ -40,9 +40,6 @@ const std::string& unit_of(const io::TomlTable& table, const std::string& key,
                            const std::map<std::string, std::string>& units, const PlanSubject& subject,
                            const std::string& what);
 
-/// @throws InputError for a number too large to calculate with
-void check_size(const io::TomlTable& table, const std::string& key, double value);
-
 /// Initial values have no bounds of meaning.
 /// @throws InputError for a value beyond those of its parameter
 void check_meaning(const io::TomlTable& table, const std::string& key, const PlanSubject& subject,

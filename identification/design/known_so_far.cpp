@@ -22,7 +22,7 @@ bool has_error(const Coefficient& c) {
 }
 
 void check(const FitResult& fitted) {
-  if (fitted.status == FitStatus::failed || fitted.coefficients.empty())
+  if (fitted.status == Termination::failed || fitted.coefficients.empty())
     throw ArgumentError(fmt::format("the fit has no coefficients: {}", fitted.message));
   for (const Coefficient& c : fitted.coefficients) {
     if (!(c.upper > c.lower) || !(c.value >= c.lower && c.value <= c.upper)) {

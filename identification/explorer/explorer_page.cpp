@@ -146,7 +146,7 @@ Json measurement_json(const FitResult& fit) {
 
 Json fit_json_of(const FitResult& fit) {
   Json json = {{"message", fit.message},
-               {"converged", fit.status == FitStatus::converged},
+               {"converged", fit.status == Termination::converged},
                {"leftOut", left_out_of(fit)},
                {"periods", fit.setup.compared.periods},
                {"measurement", measurement_json(fit)},

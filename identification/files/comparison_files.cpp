@@ -132,9 +132,7 @@ ClusterOfCapture clusters_by_capture(const std::vector<Capture>& captures, const
 /// @returns what that fit warns of
 Warnings add_evidence(Contender& one) {
   FitOptions options = one.source.options;
-  options.uncertainty.profiles = false;
-  options.uncertainty.bootstrap = {};
-  options.uncertainty.posterior = {};
+  options.uncertainty = options.uncertainty.without_intervals();
   std::shared_ptr<const FitObjective> objective;
   const FitResult fitted = fit(*one.source.family, one.captures, options, objective);
   if (!objective) {

@@ -147,7 +147,7 @@ FitReport series_of(const FitRequest& request, const FitSource& source, const st
                           [&] { return fit_series(source.model, captures, source.options, *source.series); });
   teller.tell(report.series->warnings);
   report.fit = report.series->fit;
-  report.is_usable = report.series->status == FitStatus::converged;
+  report.is_usable = report.series->status == Termination::converged;
   report.message = report.series->message;
   return report;
 }
@@ -189,7 +189,7 @@ FitResult predicted(const FitRequest& request, const FitSource& source, const st
                     const PredictionOptions& prediction) {
   FitResult result = *source.coefficients;
   add_predictions(*source.family, left_out, source.options, prediction, result);
-  result.status = FitStatus::converged;
+  result.status = Termination::converged;
   result.message = fmt::format("nothing was fitted; coefficients from {}", request.coefficients.string());
   result.model = source.family->info().model;
   result.source = source.family->info().source;

@@ -52,7 +52,7 @@ void take_over(const FitRequest& request, ConfigNames names, std::map<std::strin
   }
   source.coefficients = read_fit(request.coefficients);
   const FitResult& fitted = *source.coefficients;
-  if (fitted.status == FitStatus::failed || fitted.coefficients.empty()) {
+  if (fitted.status == Termination::failed || fitted.coefficients.empty()) {
     throw InputError(request.coefficients.string(),
                      fmt::format("it holds no coefficients: {}", fitted.message));
   }

@@ -97,14 +97,15 @@ FollowReport follow_files(const FollowRequest& request) {
                                  report.model));
   }
   if (!fitted.is_usable())
-    report.warnings.push_back(fmt::format("{}: {}", request.fit.string(), fitted.message));
+    report.warnings.add(WarningKind::source, fmt::format("{}: {}", request.fit.string(), fitted.message));
   if (!request.config.empty()) {
     const FitOptions config = read_fit_config(request.config, config_names(model->info()));
     fitted.setup.unknowns.known = config.unknowns.known;
     fitted.setup.solver.step = config.solver.step;
   }
   if (fitted.setup.camera.scale || fitted.setup.camera.rotation) {
-    report.warnings.push_back(
+    report.warnings.add(
+        WarningKind::source,
         "the camera of the fit was not known for sure; here its lengths and axes are taken as right");
   }
   const std::vector<Capture> tracks = captures_in(request.track, request.sidecar);
@@ -117,7 +118,8 @@ FollowReport follow_files(const FollowRequest& request) {
     report.noise = chosen_noise(model, fitted, tracks.front(), request);
     report.noise_was_chosen = true;
   } else if (request.noise.velocity == 0.0 && request.noise.rate == 0.0) {
-    report.warnings.push_back(
+    report.warnings.add(
+        WarningKind::errors,
         "the model is taken as exact; errors hold where it is (captures to train on choose how far it is "
         "not)");
   }

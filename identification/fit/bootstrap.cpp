@@ -110,8 +110,8 @@ void add_bootstrap(const models::TrajectoryFamily& family, const FitProblem& pro
   Bootstrap bootstrap{.seed = options.uncertainty.bootstrap.seed};
   bootstrap.coefficients.resize(replicates, problem.shared_count());
   for (const MinimizeResult& run : runs) {
-    if (run.status == FitStatus::failed) continue;
-    bootstrap.converged += run.status == FitStatus::converged ? 1 : 0;
+    if (run.status == Termination::failed) continue;
+    bootstrap.converged += run.status == Termination::converged ? 1 : 0;
     bootstrap.coefficients.row(bootstrap.replicates++) = run.point.shared.transpose();
   }
   bootstrap.coefficients.conservativeResize(bootstrap.replicates, Eigen::NoChange);

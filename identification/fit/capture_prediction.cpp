@@ -88,7 +88,7 @@ FitOptions options_for(const models::FamilyInfo& family, const Capture& capture,
 /// What a fit of the capture would give where nothing is its own.
 FitResult without_unknowns(const models::FamilyInfo& family, const Capture& capture,
                            const FitOptions& options) {
-  FitResult result{.status = FitStatus::converged, .fixed = family.fixed};
+  FitResult result{.status = Termination::converged, .fixed = family.fixed};
   for (const auto& [name, value] : options.unknowns.fixed) result.fixed[name] = value;
   CaptureFit one{.id = capture.id, .labels = capture.labels};
   for (const auto& [name, known] : options.unknowns.known)
@@ -169,7 +169,7 @@ void carry_on(const models::TrajectoryFamily& family, const Capture& capture,
   result.model_attitude = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
   const FitResult span = unknowns > 0 ? fit(family, std::span(&capture, 1), options)
                                       : without_unknowns(family.info(), capture, options);
-  if (span.status == FitStatus::failed) {
+  if (span.status == Termination::failed) {
     result.failure = span.message;
     return;
   }

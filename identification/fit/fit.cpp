@@ -86,7 +86,9 @@ class Descents {
         deviations_ = deviations;
       finish_joins(residuals_);  // which others read, also where the first start has failed
     }
-    const auto wanted = [&](int k) { return runs[static_cast<std::size_t>(k)].status != FitStatus::failed; };
+    const auto wanted = [&](int k) {
+      return runs[static_cast<std::size_t>(k)].status != Termination::failed;
+    };
     with_residuals(
         0, static_cast<int>(runs.size()), wanted, [&](int k, std::vector<SegmentResidual>& residuals) {
           MinimizeResult& run = runs[static_cast<std::size_t>(k)];
@@ -154,7 +156,7 @@ class Descents {
       result = minimize(problem_, residuals, std::move(point), options_.solver.max_iterations);
       iterations += result.iterations;
       point = result.point;
-      if (result.status == FitStatus::failed) break;
+      if (result.status == Termination::failed) break;
     }
     result.iterations = iterations;
     return result;
@@ -185,13 +187,13 @@ class Descents {
     MinimizeResult best = minimize(problem_, residuals, std::move(point), options_.solver.max_iterations);
     const models::ParametricModel* equations = family_.equations();
     if (equations == nullptr || !options_.segments.length) return best;
-    for (int round = 1; round < options_.starts.rounds && best.status != FitStatus::failed; ++round) {
+    for (int round = 1; round < options_.starts.rounds && best.status != Termination::failed; ++round) {
       FitPoint again = best.point;
       choose_start_states(*equations, problem_, residuals, again, true);
       MinimizeResult next = minimize(problem_, residuals, std::move(again), options_.solver.max_iterations);
       const int spent = best.iterations + next.iterations;
       const bool is_better =
-          next.status != FitStatus::failed && next.cost < best.cost - cost_margin(problem_, best.cost);
+          next.status != Termination::failed && next.cost < best.cost - cost_margin(problem_, best.cost);
       if (is_better) best = std::move(next);
       best.iterations = spent;
       if (!is_better) break;
@@ -224,7 +226,7 @@ class Descents {
 std::optional<std::size_t> best_of(const std::vector<MinimizeResult>& runs) {
   std::optional<std::size_t> best;
   for (std::size_t k = 0; k < runs.size(); ++k) {
-    if (runs[k].status == FitStatus::failed) continue;
+    if (runs[k].status == Termination::failed) continue;
     if (!best || runs[k].cost < runs[*best].cost) best = k;
   }
   return best;
@@ -238,7 +240,7 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
                        .coefficients = {run.point.shared.begin(), run.point.shared.end()},
                        .cost = run.cost,
                        .iterations = run.iterations};
-    if (best && run.status != FitStatus::failed) {
+    if (best && run.status != Termination::failed) {
       const double lowest = runs[*best].cost;
       record.reached_best = run.cost <= lowest + cost_margin(problem, lowest);
     }
@@ -272,11 +274,11 @@ void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int ma
   result.status = best.status;
   const std::string reached = fmt::format("{} of {} starts reached the best cost, {:.6g}",
                                           result.starts_at_best, result.starts.size(), result.cost);
-  if (best.status == FitStatus::iteration_limit) {
+  if (best.status == Termination::max_iterations) {
     result.message = fmt::format("did not converge within {} iterations{}; {}", max_iterations,
                                  best.iterations > max_iterations ? " of a stage" : "", reached);
   } else if (!uncertainty.undetermined_sets.empty()) {
-    result.status = FitStatus::not_determined;
+    result.status = Termination::not_determined;
     result.message =
         fmt::format("converged, but the captures do not determine all coefficients; {}", reached);
   } else {

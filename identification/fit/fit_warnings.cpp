@@ -169,7 +169,7 @@ void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
   if (!uncertainty.undetermined_sets.empty()) return;
   for (std::size_t k = 0; k < result.starts.size(); ++k) {
     const StartRecord& start = result.starts[k];
-    if (start.status != FitStatus::converged || !is_elsewhere(result, start)) continue;
+    if (start.status != Termination::converged || !is_elsewhere(result, start)) continue;
     if (start.cost > 1.1 * result.cost && !start.reached_best) continue;
     const double excess = result.cost > 0.0 ? 100.0 * (start.cost / result.cost - 1.0) : 0.0;
     result.warnings.add(WarningKind::optima,

@@ -74,10 +74,10 @@ std::optional<ProfileSolution> HeldFits::descend(FitPoint start, double value) {
   start.shared[held_] = value;
   MinimizeResult run = minimize(problem_, residuals_, std::move(start), max_iterations_);
   // Not converged: the cost is no value of the profile.
-  if (run.status == FitStatus::iteration_limit) {
+  if (run.status == Termination::max_iterations) {
     run = minimize(problem_, residuals_, std::move(run.point), 4 * max_iterations_);
   }
-  if (run.status != FitStatus::converged) return {};
+  if (run.status != Termination::converged) return {};
   return ProfileSolution{run.cost, packed(run.point)};
 }
 

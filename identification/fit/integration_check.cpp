@@ -18,9 +18,10 @@ constexpr double kTolerable = 0.1;
 Eigen::VectorXd reduced_gradient(const FitProblem& problem, const std::vector<SegmentResidual>& residuals,
                                  const FitPoint& point) {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(problem.shared_count());
+  const double slope = mean_slope(problem, residuals);
   for (const Motion& motion : problem.motions) {
     gradient +=
-        motion_terms(problem, motion, residuals, point, free_directions(problem, motion, point)).score;
+        motion_terms(problem, motion, residuals, point, slope, free_directions(problem, motion, point)).score;
   }
   return gradient;
 }

@@ -49,10 +49,7 @@ FitOptions holding(const models::FamilyInfo& family, const FitResult& fitted, Fi
   hold_noise(fitted, options);
   options.compared.span = prediction.span;
   options.compared.stride.reset();
-  options.uncertainty.cluster_by.clear();
-  options.uncertainty.profiles = false;
-  options.uncertainty.bootstrap = {};
-  options.uncertainty.posterior = {};
+  options.uncertainty = {};
   options.starts.global = {};
   options.progress = {};
   return options;
@@ -280,7 +277,7 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
                              const PredictionOptions& prediction, bool wants_along) {
   check_prediction(options, prediction);
   refuse_twice(left_out);
-  if (fitted.status == FitStatus::failed || left_out.empty()) return {};
+  if (fitted.status == Termination::failed || left_out.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
   const FitOptions held = holding(family.info(), fitted, options, prediction);
   check_views(family, left_out, held, prediction);

@@ -65,12 +65,10 @@ class OtherMasses {
         options_(options),
         name_(std::move(name)) {
     for (const models::FamilyCoordinate& c : family.info().coordinates) box_[c.name] = {c.lower, c.upper};
-    options_.uncertainty.profiles = false;
+    options_.uncertainty = options_.uncertainty.without_intervals();
     options_.starts.global = {};
     options_.starts.count = 1;
     options_.starts.rounds = 1;
-    options_.uncertainty.bootstrap = {};
-    options_.uncertainty.posterior = {};
     options_.progress = {};
     options_.solver.max_iterations = std::min(options_.solver.max_iterations, kMostIterations);
     // Costs are comparable where residuals have the same scales. A fit that failed has none.
@@ -96,7 +94,7 @@ class OtherMasses {
                               ? step_trajectories(model_.shared_model(), fixed, box, *options.solver.step)
                               : reference_trajectories(model_.shared_model(), fixed, box);
       FitResult result = fit(*family, captures_, options);
-      if (result.status != FitStatus::failed) return result;
+      if (result.status != Termination::failed) return result;
     } catch (const Error&) {
       // No body can have that mass; the fit that is in doubt stands.
     }
@@ -120,7 +118,7 @@ std::string power_text(int power) {
 std::vector<std::string> check_mass(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                                     const FitOptions& options, const FitResult& fitted) {
   if (family.equations() == nullptr) return {};
-  const bool failed = fitted.status == FitStatus::failed;
+  const bool failed = fitted.status == Termination::failed;
   if (!failed && !is_at_bound(fitted) && !misses_captures(fitted, options)) return {};
   const std::optional<std::string> name = held_mass(*family.equations(), options);
   if (!name) return {};

@@ -67,9 +67,7 @@ PredictedCaptures predict_by_folds(const models::TrajectoryFamily& family, std::
   const std::vector<int> clusters = clusters_of(captures, options.uncertainty.cluster_by);
   const std::vector<int> fold_of = deal(count_of(clusters), folds);
   FitOptions plain = options;
-  plain.uncertainty.profiles = false;
-  plain.uncertainty.bootstrap = {};
-  plain.uncertainty.posterior = {};
+  plain.uncertainty = plain.uncertainty.without_intervals();
   PredictedCaptures outcome;
   for (int fold = 0; fold < folds.count; ++fold) {
     std::vector<Capture> others, left_out;
@@ -77,7 +75,7 @@ PredictedCaptures predict_by_folds(const models::TrajectoryFamily& family, std::
       (fold_of[static_cast<std::size_t>(clusters[k])] == fold ? left_out : others).push_back(captures[k]);
     const FitResult of_others = fit(family, others, plain);
     const std::string which = fmt::format("fold {} of {}", fold + 1, folds.count);
-    if (warnings && of_others.status != FitStatus::converged)
+    if (warnings && of_others.status != Termination::converged)
       warnings->add(WarningKind::predictions,
                     fmt::format("the fit without {}: {}", which, of_others.message));
     PredictedCaptures of_fold = look_ahead(family, of_others, left_out, options, prediction, wants_along);

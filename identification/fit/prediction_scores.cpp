@@ -136,13 +136,14 @@ class Tallies {
            predictor != kAutoregression && predictor != kMixture;
   }
 
-  /// How much worse each is than the plain baseline with the least median.
+  /// How much worse each is than the plain baseline with the least median of those that say most.
   static void add_differences(std::span<const PredictionTally> tallies, std::vector<PredictionScore>& group) {
     const PredictionTally* best = nullptr;
+    const auto rank = [](const PredictionScore& score) { return std::pair(-score.count, score.median); };
     for (const PredictionTally& tally : tallies) {
       const PredictionScore score = tally.score();
       if (!is_plain(score.predictor) || score.count == 0) continue;
-      if (best == nullptr || score.median < best->score().median) best = &tally;
+      if (best == nullptr || rank(score) < rank(best->score())) best = &tally;
     }
     if (best == nullptr) return;
     for (PredictionScore& score : group) {

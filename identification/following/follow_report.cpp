@@ -171,7 +171,7 @@ std::string follow_json(const FollowReport& report) {
                        {"forecast", rows_of(motion.forecasts.mean)},
                        {"forecast_lower", rows_of(motion.forecasts.lower)},
                        {"forecast_upper", rows_of(motion.forecasts.upper)},
-                       {"warnings", report.warnings}};
+                       {"warnings", report.warnings.sentences()}};
   return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

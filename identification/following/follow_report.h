@@ -1,10 +1,10 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "samara/identification/following/followed_motion.h"
 #include "samara/identification/following/noise_search.h"
+#include "samara/identification/problem/warnings.h"
 
 /// A followed motion as text, as a table and as JSON.
 namespace samara::identification {
@@ -15,7 +15,7 @@ struct FollowReport {
   FollowedMotion motion = {};
   NoiseChoice noise = {};
   bool noise_was_chosen = false;  ///< on training captures; else given
-  std::vector<std::string> warnings = {};
+  Warnings warnings = {};
 };
 
 /// How it went, the last state and what is forecast from there.

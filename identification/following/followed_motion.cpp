@@ -88,7 +88,7 @@ void refuse_held(const std::string& name, double value) {
 }
 
 void refuse_unfollowed(const FitResult& fitted, const models::ModelInfo& info) {
-  if (fitted.status == FitStatus::failed)
+  if (fitted.status == Termination::failed)
     throw ArgumentError(fmt::format("a fit that failed cannot be followed: {}", fitted.message));
   for (const auto& names : {fitted.setup.unknowns.shared, fitted.setup.unknowns.per_capture}) {
     for (const std::string& name : names) {

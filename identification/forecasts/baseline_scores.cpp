@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <Eigen/QR>
 #include <fmt/format.h>
@@ -325,11 +326,12 @@ PredictionTally::PredictionTally(std::string predictor, std::string quantity, st
     : score_{.predictor = std::move(predictor), .quantity = std::move(quantity), .unit = std::move(unit)} {}
 
 void PredictionTally::add(const std::vector<double>& distances, int cluster) {
-  const int own = --latest_own_;
+  const int call = ++calls_so_far_;
   if (distances.empty()) return;
   ++score_.captures;
   distances_.insert(distances_.end(), distances.begin(), distances.end());
-  clusters_.insert(clusters_.end(), distances.size(), cluster < 0 ? own : cluster);
+  clusters_.insert(clusters_.end(), distances.size(), cluster < 0 ? -call : cluster);
+  calls_.insert(calls_.end(), distances.size(), call);
 }
 
 PredictionScore PredictionTally::score() const {
@@ -350,6 +352,19 @@ PredictionScore PredictionTally::score() const {
   return score;
 }
 
+PredictionTally PredictionTally::shared_with(const PredictionTally& other) const {
+  std::map<int, int> surplus;  // by call
+  for (const int call : calls_) ++surplus[call];
+  for (const int call : other.calls_) --surplus[call];
+  PredictionTally shared(score_.predictor, score_.quantity, score_.unit);
+  for (std::size_t k = 0; k < distances_.size(); ++k) {
+    if (surplus.at(calls_[k]) != 0) continue;
+    shared.distances_.push_back(distances_[k]);
+    shared.clusters_.push_back(clusters_[k]);
+  }
+  return shared;
+}
+
 std::vector<double> PredictionTally::drawn(const std::vector<int>& clusters) const {
   std::vector<double> distances;
   for (const int cluster : clusters) {
@@ -361,29 +376,26 @@ std::vector<double> PredictionTally::drawn(const std::vector<int>& clusters) con
 }
 
 PredictionTally::Difference PredictionTally::behind(const PredictionTally& other) const {
-  if (distances_.empty() || other.distances_.empty()) return {kNaN, kNaN};
-  Difference difference{median(distances_) - median(other.distances_), kNaN};
-  std::vector<int> clusters = clusters_;
+  const PredictionTally ours = shared_with(other), theirs = other.shared_with(*this);
+  if (ours.distances_.empty()) return {kNaN, kNaN};
+  Difference difference{median(ours.distances_) - median(theirs.distances_), kNaN};
+  std::vector<int> clusters = ours.clusters_;
   std::ranges::sort(clusters);
   clusters.erase(std::unique(clusters.begin(), clusters.end()), clusters.end());
   if (clusters.size() < 2) return difference;
   constexpr int kDraws = 200;  // they tell an error to 5 %
   constexpr std::uint64_t kSeed = 28;
   double sum = 0.0, squares = 0.0;
-  int counted = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     Stream stream(kSeed, static_cast<std::uint64_t>(draw));
     std::vector<int> chosen(clusters.size());
     for (int& one : chosen)
       one = clusters[static_cast<std::size_t>(stream.uniform() * static_cast<double>(clusters.size()))];
-    const double here = median(drawn(chosen)) - median(other.drawn(chosen));
-    if (std::isnan(here)) continue;  // captures on which the other says nothing alone
+    const double here = median(ours.drawn(chosen)) - median(theirs.drawn(chosen));
     sum += here;
     squares += here * here;
-    ++counted;
   }
-  if (counted < 2) return difference;
-  const double scatter = (squares - sum * sum / counted) / (counted - 1);
+  const double scatter = (squares - sum * sum / kDraws) / (kDraws - 1);
   difference.error = std::sqrt(std::max(0.0, scatter));
   return difference;
 }

@@ -106,8 +106,9 @@ struct PredictionScore {
   double coverage90 = std::numeric_limits<double>::quiet_NaN();
   /// Standard error of the share in the band of 90 %, captures being drawn anew; NaN for a single capture.
   double coverage90_error = std::numeric_limits<double>::quiet_NaN();
-  /// The median less that of the best baseline, and the scatter of this difference when captures are drawn anew
-  /// (bootstrap); NaN for a single capture.
+  /// The median less that of the best of the baselines that say most, both over what both say
+  /// (PredictionTally::behind), and the scatter of this difference when captures are drawn anew (bootstrap); NaN for a
+  /// single capture.
   double behind_best = std::numeric_limits<double>::quiet_NaN();
   double behind_best_error = std::numeric_limits<double>::quiet_NaN();
   /// No other predictor of the quantity has a smaller median. If it is not the model, the model loses.
@@ -129,20 +130,23 @@ class PredictionTally {
   }
   PredictionScore score() const;
 
-  /// The difference of medians, this one's less another's, and its bootstrap error over clusters.
-  /// @param other of the same captures
+  /// The difference of medians, this one's less another's, and its bootstrap error over clusters. Only calls of add()
+  /// count that gave both as many distances: who is silent where it is hard gains nothing.
+  /// @param other was given the same captures, in the same order
   struct Difference {
     double value, error;
   };
   Difference behind(const PredictionTally& other) const;
 
  private:
+  /// Only the distances of calls that gave the other as many.
+  PredictionTally shared_with(const PredictionTally& other) const;
   std::vector<double> drawn(const std::vector<int>& clusters) const;
 
   PredictionScore score_;
   std::vector<double> distances_;
-  std::vector<int> clusters_;  ///< of each distance
-  int latest_own_ = 0;  ///< below all that were given: one for each call, so that tallies agree on captures
+  std::vector<int> clusters_, calls_;  ///< of each distance
+  int calls_so_far_ = 0;               ///< of add(), empty ones too, so that tallies agree on captures
   ProperScores proper_;
 };
 

@@ -1,10 +1,12 @@
 #include "samara/identification/petab/petab_cells.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "samara/base/limits.h"
 #include "samara/base/text.h"
 #include "samara/identification/captures/number_cells.h"
 
@@ -27,6 +29,13 @@ void require_word(const DelimitedTable& table, std::size_t row, const std::strin
   if (cell.empty() || std::ranges::count(words, cell) > 0) return;
   throw table.error(
       row, fmt::format("{} is {}; {} was expected", column, in_quotes(cell), fmt::join(words, " or ")));
+}
+
+double in_size(const DelimitedTable& table, std::size_t row, const std::string& what, double number) {
+  const double size = std::abs(number);
+  if (size == 0.0 || (size >= kSmallestInput && size <= kLargestInput)) return number;
+  throw table.error(row, fmt::format("{} is {}; a number of {} to {} in size, or 0, was expected", what,
+                                     number, kSmallestInput, kLargestInput));
 }
 
 std::vector<double> numbers_in(const DelimitedTable& table, std::size_t row, const std::string& text) {

@@ -20,6 +20,10 @@ std::vector<std::string> cells_or_empty(const io::DelimitedTable& table, const s
 void require_word(const io::DelimitedTable& table, std::size_t row, const std::string& column,
                   const std::string& cell, const std::vector<std::string>& words);
 
+/// The number, unless it is too large or too small to calculate with (base/limits.h).
+/// @param what it is, for the message
+double in_size(const io::DelimitedTable& table, std::size_t row, const std::string& what, double number);
+
 /// "1.5;0.2"
 std::vector<double> numbers_in(const io::DelimitedTable& table, std::size_t row, const std::string& text);
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/limits.h"
 #include "samara/base/text.h"
 #include "samara/identification/captures/number_cells.h"
 #include "samara/identification/petab/petab_cells.h"
@@ -18,7 +19,7 @@ using io::DelimitedTable;
 
 double numeric(const DelimitedTable& table, std::size_t row, const std::string& column,
                const std::string& cell) {
-  if (const auto number = number_in(cell)) return *number;
+  if (const auto number = number_in(cell)) return in_size(table, row, column, *number);
   throw table.error(row, fmt::format("{} is {}; a finite number was expected", column, in_quotes(cell)));
 }
 
@@ -45,6 +46,7 @@ void read_prior(const DelimitedTable& table, std::size_t row, const std::string&
   require_word(table, row, "objectivePriorType", p.prior,
                {"uniform", "parameterScaleUniform", "normal", "parameterScaleNormal", "logNormal"});
   p.prior_numbers = numbers_in(table, row, numbers);
+  for (const double number : p.prior_numbers) in_size(table, row, "one of objectivePriorParameters", number);
   if (p.prior.empty()) {
     if (!p.prior_numbers.empty())
       throw table.error(row, "objectivePriorParameters stand there without an objectivePriorType");
@@ -59,6 +61,11 @@ void read_prior(const DelimitedTable& table, std::size_t row, const std::string&
       for (double& number : p.prior_numbers) number *= std::log(10.0);
     p.prior = is_on_log_scale ? "logNormal" : "normal";
   }
+  const double most = std::log(kLargestInput);
+  if (p.prior == "logNormal" && !(std::abs(p.prior_numbers[0]) <= most))
+    throw table.error(
+        row, fmt::format("the median of the prior is exp({:.6g}); exp({:.0f}) to exp({:.0f}) was expected",
+                         p.prior_numbers[0], -most, most));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
 #include "samara/identification/captures/number_cells.h"
@@ -100,6 +101,7 @@ class PetabTables {
     if (number && !(*number > 0.0))
       throw table.error(
           row, fmt::format("the noise of {} is {}; more than 0 was expected", in_quotes(id), *number));
+    if (number) in_size(table, row, fmt::format("the noise of {}", in_quotes(id)), *number);
     const std::string& output = output_of_.at(id);
     const auto [known, is_new] = noise_text_.emplace(id, text);
     if (known->second != text)
@@ -138,10 +140,13 @@ class PetabTables {
       if (!parameters[row].empty())
         throw table.error(row,
                           "observableParameters are not understood: an observable is an output as it is");
-      if (!(times[at] >= 0.0))
-        throw table.error(row, fmt::format("the time is {}; 0 or more was expected", times[at]));
+      if (!(times[at] >= 0.0 && times[at] <= kLargestInput))
+        throw table.error(row, fmt::format("the time is {}; 0 to {} was expected", times[at], kLargestInput));
       take_noise(table, row, observables[row], noises[row]);
       if (std::isnan(values[at])) continue;
+      if (std::abs(values[at]) > kLargestInput)
+        throw table.error(row, fmt::format("the measurement is {}; at most {} in size was expected",
+                                           values[at], kLargestInput));
       const std::pair key{conditions[row], replicates[row]};
       if (!series.contains(key)) order.push_back(key);
       std::vector<Rows>& repeated = series[key];
@@ -203,8 +208,10 @@ class PetabTables {
                          fmt::format("the column {} is no parameter of the model, and none of its states",
                                      in_quotes(column)));
       const auto cells = table.texts(column);
-      for (std::size_t row = 0; row < table.rows(); ++row)
+      for (std::size_t row = 0; row < table.rows(); ++row) {
+        if (const auto number = number_in(cells[row])) in_size(table, row, name, *number);
         set_in_conditions_[name][ids[row]] = {cells[row], table.line_of_row(row)};
+      }
     }
   }
 

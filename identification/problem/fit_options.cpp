@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
 
@@ -31,8 +32,9 @@ void validate(const ComparisonOptions& compared) {
     if (!compared.span) throw ArgumentError("stride is set without span; the length of a span was expected");
   }
   for (const auto& [name, period] : compared.periods) {
-    require(std::isfinite(period) && period >= 0.0, fmt::format("the period of \"{}\"", name), period,
-            "0 or more");
+    require(period == 0.0 || (period >= kSmallestInput && period <= kLargestInput),
+            fmt::format("the period of \"{}\"", name), period,
+            fmt::format("0, or {} to {}", kSmallestInput, kLargestInput));
   }
   require(compared.averaged_frames >= 1 && compared.averaged_frames % 2 == 1, "averaged_frames",
           compared.averaged_frames, "an odd number, at least 1,");
@@ -74,7 +76,9 @@ void validate(const SegmentOptions& segments) {
   if (segments.length) require_positive(*segments.length, "segments.length");
   if (segments.stages.empty())
     throw ArgumentError("segments.stages is empty; one weight or more was expected");
-  for (const double stage : segments.stages) require_positive(stage, "a weight of segments.stages");
+  for (const double stage : segments.stages)
+    require(stage >= kSmallestInput && stage <= kLargestInput, "a weight of segments.stages", stage,
+            fmt::format("{} to {}", kSmallestInput, kLargestInput));
 }
 
 void validate(const StartOptions& starts) {

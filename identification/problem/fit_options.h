@@ -206,6 +206,9 @@ struct UncertaintyOptions {
   bool profiles = false;
   BootstrapOptions bootstrap = {};
   PosteriorOptions posterior = {};
+
+  /// Without what takes further fits or draws: for fits of which only the values are asked.
+  UncertaintyOptions without_intervals() const { return {.cluster_by = cluster_by}; }
 };
 
 struct FitOptions {

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
 #include "samara/base/rounded.h"
 #include "samara/identification/statistics/cluster_errors.h"
 #include "samara/identification/statistics/quantiles.h"
@@ -15,20 +14,6 @@ namespace samara::identification {
 
 double NoiseLevel::standard_error() const {
   return value / std::sqrt(2.0 * degrees_of_freedom);
-}
-
-std::string to_string(FitStatus status) {
-  switch (status) {
-    case FitStatus::converged:
-      return "converged";
-    case FitStatus::not_determined:
-      return "not determined";
-    case FitStatus::iteration_limit:
-      return "iteration limit";
-    case FitStatus::failed:
-      return "failed";
-  }
-  throw ArgumentError("a status of no known kind");
 }
 
 const Profile* FitResult::find_profile(const std::string& coefficient) const {
@@ -112,7 +97,7 @@ bool Posterior::is_settled() const {
 std::string verdict(const FitResult& result, const Coefficient& coefficient) {
   // First: limits of a profile would only be those that the boxes of the others leave.
   if (!coefficient.determined) return "not determined";
-  if (result.status == FitStatus::iteration_limit)
+  if (result.status == Termination::max_iterations)
     return fmt::format("not converged, stopped at {:.5g}", coefficient.value);
   std::string text = plain_verdict(result, coefficient) + other_values(result, coefficient);
   std::vector<std::string> names;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/termination.h"
 #include "samara/identification/forecasts/baseline_scores.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/warnings.h"
@@ -16,16 +17,6 @@
 #include "samara/identification/statistics/whiteness.h"
 
 namespace samara::identification {
-
-enum class FitStatus {
-  converged,
-  not_determined,   ///< converged, but coefficients can change together without changing the residuals
-  iteration_limit,  ///< max_iterations were spent; what is reported is the best point so far
-  failed,           ///< no start succeeded; the message has the reason, the values mean nothing
-};
-
-/// "converged", "not determined", "iteration limit", "failed".
-std::string to_string(FitStatus status);
 
 /// A coordinate that all captures share.
 struct Coefficient {
@@ -92,7 +83,7 @@ struct CaptureFit {
 };
 
 struct StartRecord {
-  FitStatus status = FitStatus::failed;
+  Termination status = Termination::failed;  ///< or converged, max_iterations
   std::string message = {};
   std::vector<double> coefficients = {};  ///< where it ended, in the order of FitResult::coefficients
   double cost = 0.0;
@@ -167,7 +158,9 @@ struct Posterior {
 };
 
 struct FitResult {
-  FitStatus status = FitStatus::failed;
+  /// converged; not_determined: converged, but coefficients can change together without changing the residuals;
+  /// max_iterations: the best point so far; failed: no start succeeded, the values mean nothing.
+  Termination status = Termination::failed;
   std::string message = "the fit did not run";  ///< why it stopped, in one sentence
   Warnings warnings = {};
 
@@ -227,7 +220,7 @@ struct FitResult {
   const Profile* find_profile(const std::string& coefficient) const;
 
   /// Converged, with every coefficient determined.
-  bool is_usable() const { return status == FitStatus::converged; }
+  bool is_usable() const { return status == Termination::converged; }
 };
 
 /// The error of which two to either side hold 95 %: the standard error, or that of the bootstrap where there

@@ -204,12 +204,13 @@ std::string shown(const PredictionScore& score, double value) {
   return score.count > 0 ? fmt::format("{:.4g}", value) : "-";
 }
 
-/// Where a plain baseline is better than the model of a group, which one is.
+/// Where a plain baseline that says as much is better than the model of a group, which one is.
 std::string better_baseline(std::span<const PredictionScore> group) {
   const PredictionScore& model = group.front();
   const PredictionScore* best = nullptr;
   for (const PredictionScore& p : group) {
-    if (p.count > 0 && is_plain(p.predictor) && (best == nullptr || p.median < best->median)) best = &p;
+    if (p.count >= model.count && is_plain(p.predictor) && (best == nullptr || p.median < best->median))
+      best = &p;
   }
   if (best == nullptr || model.count == 0 || model.median <= best->median) return {};
   const std::string unit = unit_suffix(model.unit);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/base/termination.h"
 #include "samara/identification/report/fit_setup.h"
 #include "samara/io/text_file.h"
 
@@ -18,12 +19,15 @@ namespace {
 
 using ParsedJson = nlohmann::json;
 
-FitStatus status_of(const std::string& text) {
-  for (const FitStatus status :
-       {FitStatus::converged, FitStatus::not_determined, FitStatus::iteration_limit}) {
+/// Files written before fits ended with the words of all other work say "not determined" and "iteration limit".
+Termination status_of(const std::string& text) {
+  if (text == "not determined") return Termination::not_determined;
+  if (text == "iteration limit") return Termination::max_iterations;
+  for (const Termination status :
+       {Termination::converged, Termination::not_determined, Termination::max_iterations}) {
     if (to_string(status) == text) return status;
   }
-  return FitStatus::failed;
+  return Termination::failed;
 }
 
 std::optional<double> number_of(const ParsedJson& object, const char* key) {

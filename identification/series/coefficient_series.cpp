@@ -128,9 +128,9 @@ Chosen choose(SeriesFits& fits, std::vector<SmoothnessTrial>& trials) {
   int worse = 0;
   for (const double factor : kFactors) {
     FitResult result = fits.fit_with(factor);
-    if (result.status == FitStatus::failed) {
+    if (result.status == Termination::failed) {
       trials.push_back({factor, kNaN, 0.0});
-      if (best.fit.status == FitStatus::failed) best.fit = std::move(result);
+      if (best.fit.status == Termination::failed) best.fit = std::move(result);
       continue;
     }
     SeriesFits::Judgement judgement = fits.judge(result, factor);
@@ -138,7 +138,7 @@ Chosen choose(SeriesFits& fits, std::vector<SmoothnessTrial>& trials) {
     // Of a fit that cannot be judged the criterion is NaN: any other is better, and it ends no search.
     const bool is_judged = !std::isnan(best.judgement.criterion);
     const bool first =
-        best.fit.status == FitStatus::failed || (!is_judged && !std::isnan(judgement.criterion));
+        best.fit.status == Termination::failed || (!is_judged && !std::isnan(judgement.criterion));
     if (first || judgement.criterion < best.judgement.criterion) {
       best = {factor, std::move(result), std::move(judgement)};
       worse = 0;
@@ -159,11 +159,11 @@ Chosen choose_with_levels(SeriesFits& fits, const FitResult& constant, std::vect
   Chosen found;
   for (int round = 0; round < kRounds; ++round) {
     found = {factor, fits.fit_with_levels(factor), {}};
-    fits.hold_levels(found.fit.status == FitStatus::failed ? constant : found.fit);
+    fits.hold_levels(found.fit.status == Termination::failed ? constant : found.fit);
     trials.clear();
     Chosen best = choose(fits, trials);
-    if (found.fit.status == FitStatus::failed) {
-      if (best.fit.status == FitStatus::failed) return best;
+    if (found.fit.status == Termination::failed) {
+      if (best.fit.status == Termination::failed) return best;
     } else {
       found.judgement = fits.judge(found.fit, factor);
       if (best.factor == factor) return found;
@@ -307,7 +307,7 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
   if (!spans.joined) check_sliding(family->info(), spans, cut_options);
   result.constant = fit(*family, spans.captures, cut_options);
   result.message = fmt::format("with constant coefficients: {}", result.constant.message);
-  if (result.constant.status == FitStatus::failed) return result;
+  if (result.constant.status == Termination::failed) return result;
 
   SeriesFits fits(model, spans, cut_options, series, result.constant);
   Chosen chosen;
@@ -317,12 +317,12 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
     result.factor = chosen.factor;
   } else {
     chosen.fit = fits.estimates_noise() ? fits.fit_with_levels(1.0) : fits.fit_with(1.0);
-    if (chosen.fit.status != FitStatus::failed) chosen.judgement = fits.judge(chosen.fit, 1.0);
+    if (chosen.fit.status != Termination::failed) chosen.judgement = fits.judge(chosen.fit, 1.0);
   }
   result.fit = std::move(chosen.fit);
   result.status = result.fit.status;
   result.message = result.fit.message;
-  if (result.status == FitStatus::failed) return result;
+  if (result.status == Termination::failed) return result;
   result.effective = chosen.judgement.effective;
   result.correlation_factor = growth_of_errors(result.fit);
   for (std::size_t c = 0; c < series.coefficients.size(); ++c) {

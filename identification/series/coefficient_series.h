@@ -93,7 +93,7 @@ struct SmoothnessTrial {
 };
 
 struct CoefficientSeries {
-  FitStatus status = FitStatus::failed;
+  Termination status = Termination::failed;  ///< as of `fit`; also if none came about
   std::string message = "the fit did not run";
   Warnings warnings = {};  ///< those of `fit` first
 

@@ -18,21 +18,6 @@ namespace samara::identification {
 
 namespace {
 
-/// The word that the codebook's record has for it.
-Termination termination_of(FitStatus status) {
-  switch (status) {
-    case FitStatus::converged:
-      return Termination::converged;
-    case FitStatus::not_determined:
-      return Termination::not_determined;
-    case FitStatus::iteration_limit:
-      return Termination::max_iterations;
-    case FitStatus::failed:
-      break;
-  }
-  return Termination::failed;
-}
-
 /// Begins the name of what a series belongs to: it is no solution of the model.
 constexpr std::string_view kSeriesOf = "coefficients of ";
 
@@ -74,7 +59,7 @@ codebooks::Certificate certificate_of(const CoefficientSeries& series, const Eig
     all_known = all_known && !c.standard_errors.array().isNaN().any();
   }
   certificate.tolerance = certificate.max_error;
-  certificate.met = series.status == FitStatus::converged && all_known;
+  certificate.met = series.status == Termination::converged && all_known;
   return certificate;
 }
 
@@ -131,7 +116,7 @@ void check_output(const codebooks::Codebook& book, const models::ModelInfo& mode
 }  // namespace
 
 codebooks::Codebook series_codebook(const CoefficientSeries& series) {
-  if (series.status == FitStatus::failed || series.coefficients.empty()) {
+  if (series.status == Termination::failed || series.coefficients.empty()) {
     throw ArgumentError(fmt::format("a series that could not be fitted has no codebook: {}", series.message));
   }
   const Eigen::VectorXd times = series.instants.array() - series.instants[0];
@@ -162,7 +147,7 @@ codebooks::Codebook series_codebook(const CoefficientSeries& series) {
       .fixed_units = series.replay_units};
   codebooks::BuildRecord build{.builder = "fit",
                                .strategy = "series",
-                               .status = termination_of(series.status),
+                               .status = series.status,
                                .message = series.message,
                                .evaluations = static_cast<double>(series.fit.evaluations),
                                .grid_size = static_cast<double>(times.size()),

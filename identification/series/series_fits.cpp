@@ -117,7 +117,7 @@ FitResult SeriesFits::fit_with(double factor) {
     }
   }
   FitResult result = fit(*family_, spans_.captures, options);
-  if (result.status != FitStatus::failed) {
+  if (result.status != Termination::failed) {
     for (const Coefficient& c : result.coefficients) options_.starts.initial[c.name] = c.value;
   }
   return result;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-/// Internal to identification/.
+/// Internal to identification/ and motion/.
 namespace samara::identification {
 
 /// Median, of an even number the mean of the two in the middle; NaN if there is none.

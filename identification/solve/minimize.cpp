@@ -41,15 +41,15 @@ ceres::Solver::Options solver_options(const FitProblem& problem, int max_iterati
   return options;
 }
 
-FitStatus status_of(const ceres::Solver::Summary& summary) {
+Termination status_of(const ceres::Solver::Summary& summary) {
   switch (summary.termination_type) {
     case ceres::CONVERGENCE:
     case ceres::USER_SUCCESS:
-      return FitStatus::converged;
+      return Termination::converged;
     case ceres::NO_CONVERGENCE:
-      return FitStatus::iteration_limit;
+      return Termination::max_iterations;
     default:
-      return FitStatus::failed;
+      return Termination::failed;
   }
 }
 
@@ -86,7 +86,7 @@ class Descent {
     MinimizeResult result;
     solve(options, result);
     double cost_at_release = std::numeric_limits<double>::infinity();
-    for (int pass = 0; result.status == FitStatus::converged; ++pass) {
+    for (int pass = 0; result.status == Termination::converged; ++pass) {
       bool changed = hold_what_is_at_bounds();
       if (!changed && pass > 0) {
         changed = result.cost < (1.0 - kGain) * cost_at_release && release(result.cost);
@@ -94,7 +94,7 @@ class Descent {
       }
       if (!changed) break;
       if (pass == kMostPasses) {
-        result.status = FitStatus::iteration_limit;
+        result.status = Termination::max_iterations;
         result.message = "unknowns kept coming to bounds of the box and leaving them";
         break;
       }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/base/termination.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/problem/segment_residual.h"
@@ -12,7 +13,7 @@ namespace samara::identification {
 
 struct MinimizeResult {
   FitPoint point = {};
-  FitStatus status = FitStatus::failed;
+  Termination status = Termination::failed;  ///< or converged, max_iterations
   std::string message = {};
   double cost = 0.0;
   int iterations = 0;

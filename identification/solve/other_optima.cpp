@@ -79,11 +79,11 @@ void add_other_optima(const FitProblem& problem, std::vector<SegmentResidual>& r
                       const std::vector<MinimizeResult>& runs, std::size_t best, FitResult& result) {
   const FitPoint& answer = runs[best].point;
   const std::optional<Eigen::VectorXd> least = cluster_costs(problem, residuals, answer);
-  if (!least || result.coefficients.empty() || result.status == FitStatus::not_determined) return;
+  if (!least || result.coefficients.empty() || result.status == Termination::not_determined) return;
   const double dispersion = estimate_uncertainty(problem, residuals, answer).dispersion;
   std::vector<const FitPoint*> known = {&answer};
   for (const MinimizeResult& run : runs) {
-    if (run.status == FitStatus::failed) continue;
+    if (run.status == Termination::failed) continue;
     if (std::ranges::any_of(known, [&](const FitPoint* p) { return same_optimum(result, *p, run.point); }))
       continue;
     known.push_back(&run.point);

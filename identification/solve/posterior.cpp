@@ -206,7 +206,8 @@ class Chain {
   /// One trajectory, taken or not. @returns the probability to take it
   double propose() {
     const double length = kLength * (0.6 + 0.8 * random_.uniform());
-    const int steps = std::clamp(static_cast<int>(std::ceil(length / step_.value())), 1, kMostSteps);
+    const double wanted = std::ceil(length / step_.value());
+    const int steps = wanted < kMostSteps ? std::max(1, static_cast<int>(wanted)) : kMostSteps;
     const double h = std::min(length / steps, step_.value());
     Eigen::VectorXd momentum = normals();
     Place place = place_;

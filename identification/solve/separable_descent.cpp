@@ -28,18 +28,18 @@ class SeparableDescent {
     each_motion([&](MotionDescent& motion) { motion.start_at(point_); });
     if (!std::isfinite(total()))
       return {.point = std::move(point_), .message = "there is no trajectory at this start"};
-    MinimizeResult result{.status = FitStatus::iteration_limit};
+    MinimizeResult result{.status = Termination::max_iterations};
     if (problem_.shared_chart.directions() > 0) {
       settle(kOwnSteps);
-      while (result.status != FitStatus::converged && result.iterations < max_iterations) {
+      while (result.status != Termination::converged && result.iterations < max_iterations) {
         ++result.iterations;
-        if (step_is_last()) result.status = FitStatus::converged;
+        if (step_is_last()) result.status = Termination::converged;
       }
     } else {
       settle_alone(max_iterations, result);
     }
-    if (result.status == FitStatus::converged) polish();
-    result.message = result.status == FitStatus::converged
+    if (result.status == Termination::converged) polish();
+    result.message = result.status == Termination::converged
                          ? "no step would move an unknown by a noticeable share of its error"
                          : "iterations were spent";
     result.cost = total();
@@ -90,7 +90,7 @@ class SeparableDescent {
       for (const MotionDescent& motion : motions_) most = std::max(most, motion.steps());
       result.iterations += most;
     } while (allowance() < 0.5 * before && result.iterations < max_iterations);
-    if (all_settled()) result.status = FitStatus::converged;
+    if (all_settled()) result.status = Termination::converged;
   }
 
   /// One step more than the end asks for: where the cost is smooth, it is worth many.

@@ -66,7 +66,7 @@ struct Normalised {
 };
 
 PanelAddedMass& cancelled(PanelAddedMass& result, const char* when) {
-  result.status = PanelStatus::cancelled;
+  result.status = Termination::cancelled;
   result.message = fmt::format("cancelled while {} {} unknowns", when, result.unknowns);
   return result;
 }
@@ -124,7 +124,7 @@ PanelAddedMass solve_unit_problem(const TriangleMesh& mesh, const PanelOptions& 
   const auto solve_start = Clock::now();
   const SixColumns phi = solve(system, options, result);
   result.solve_seconds = seconds_since(solve_start);
-  if (result.status == PanelStatus::cancelled) return result;
+  if (result.status == Termination::cancelled) return result;
   const Matrix6d K = -phi.transpose() * system.flux;
   result.asymmetry = asymmetry_of(K);
   result.matrix = 0.5 * (K + K.transpose());
@@ -145,7 +145,7 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
   PanelAddedMass result;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] { result = solve_unit_problem(unit.mesh, options); });
-  if (result.status == PanelStatus::cancelled) return result;
+  if (result.status == Termination::cancelled) return result;
   // In units of length: M ~ L^3, coupling ~ L^4, J ~ L^5.
   Eigen::Matrix<double, 6, 1> scale;
   scale << Vector3d::Ones(), Vector3d::Constant(unit.length);
@@ -153,9 +153,9 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
   result.matrix = mass * scale.asDiagonal() * result.matrix * scale.asDiagonal();
   const Matrix6d K = added_mass_about(result.matrix, reference_point - unit.centre);
   result.matrix = 0.5 * (K + K.transpose());  // once more: products round each half for itself
-  result.status = PanelStatus::done;
+  result.status = Termination::converged;
   if (!result.matrix.allFinite() || !std::isfinite(result.residual)) {
-    result.status = PanelStatus::not_finite;
+    result.status = Termination::not_finite;
     result.message =
         fmt::format("the added mass is not finite, residual {:.1e}: {}", result.residual, result.message);
   }

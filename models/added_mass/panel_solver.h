@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/models/bodies/triangle_mesh.h"
 
 /// Added mass of a body of any shape, by panels.
@@ -58,15 +59,10 @@ struct PanelOptions {
   ProgressCallback progress = {};
 };
 
-enum class PanelStatus {
-  done,
-  not_finite,  ///< the matrix or the residual is infinite or NaN
-  cancelled,   ///< the progress callback asked for it: there is no matrix
-  failed,      ///< it was not called
-};
-
 struct PanelAddedMass {
-  PanelStatus status = PanelStatus::failed;
+  /// converged; not_finite: the matrix or the residual is infinite or NaN; cancelled: there is no matrix; failed:
+  /// it was not called.
+  Termination status = Termination::failed;
   /// Symmetric; linear motions first; kg, kg m, kg m^2. About the reference point, in the mesh's axes.
   Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
   /// Largest |K_ij - K_ji| / sqrt(K_ii K_jj) before it was made symmetric: a lower bound on the order of the
@@ -81,7 +77,7 @@ struct PanelAddedMass {
   double solve_seconds = 0.0;
   std::string message = "panel_added_mass was not called";  ///< how the system was solved, with the numbers
 
-  bool is_usable() const { return status == PanelStatus::done; }
+  bool is_usable() const { return status == Termination::converged; }
 };
 
 /// The added mass of the body within a closed mesh [m] in a fluid of density `fluid_density` [kg/m^3], about

@@ -124,6 +124,11 @@ std::string meaning_text(const ParameterInfo& parameter) {
   return "";
 }
 
+double held_start(const StateInfo& state, const std::map<std::string, double>& held) {
+  const auto value = held.find(state.name + "(0)");
+  return value == held.end() ? state.default_initial : value->second;
+}
+
 std::string Model::problem(const ParameterValues&) const {
   return "";
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -44,6 +45,9 @@ struct StateInfo {
   std::string description = {};
   std::optional<double> scale = {};  ///< characteristic size, if it does not follow from Scales by the unit
 };
+
+/// Where the state starts whose start is no coordinate: at the value that is held of "s(0)", else at its default.
+double held_start(const StateInfo& state, const std::map<std::string, double>& held);
 
 /// What follows from the states at an instant and is given beside them: the place of a tip, an energy, a current.
 struct OutputInfo {

@@ -1,6 +1,7 @@
 #include "samara/models/stochastic/realisations.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -288,10 +289,33 @@ class NumberReader {
   std::span<const double> left_;
 };
 
+/// When RealiseOptions::so_far is given what is done.
+class HandingOver {
+ public:
+  explicit HandingOver(long begun) : first_(begun + 4 * kWave) {}
+
+  bool is_due(long done) const {
+    return (is_first_ && done >= first_) || Clock::now() - last_ >= std::chrono::seconds(10);
+  }
+  void done() {
+    is_first_ = false;
+    last_ = Clock::now();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  long first_;
+  bool is_first_ = true;
+  Clock::time_point last_ = Clock::now();
+};
+
 Ensemble run_from(Ensemble ensemble, EnsembleSums sums, const RealisationPlan& plan,
                   const RealiseOptions& options) {
-  const auto left = static_cast<double>(options.realisations - ensemble.realisations());
-  SharedProgress progress(options.progress, "realising", std::max(1.0, std::ceil(left / kGroup)));
+  const auto all = static_cast<double>(options.realisations);
+  SharedProgress progress(options.progress, "realising", std::ceil(all / kGroup));
+  for (long group = 0; group < ensemble.realisations() / kGroup; ++group) progress.count();
+  HandingOver handing_over(ensemble.realisations());
   while (ensemble.realisations() < options.realisations) {
     const long first = ensemble.realisations();
     if (options.relative_error > 0.0 && first > 0 && sums.relative_error() <= options.relative_error) break;
@@ -300,12 +324,23 @@ Ensemble run_from(Ensemble ensemble, EnsembleSums sums, const RealisationPlan& p
       ensemble.cancelled = true;
       break;
     }
+    const bool goes_on = ensemble.realisations() < options.realisations;
+    if (options.so_far && goes_on && handing_over.is_due(ensemble.realisations())) {
+      conclude(plan, sums, ensemble);
+      options.so_far(ensemble);
+      handing_over.done();
+    }
   }
   conclude(plan, sums, ensemble);
+  if (options.so_far && ensemble.cancelled && ensemble.realisations() > 0) options.so_far(ensemble);
   return ensemble;
 }
 
 }  // namespace
+
+double step_of_body(const ParametricModel& model, std::span<const double> point) {
+  return std::min(1e-3, model.scales(point).time / 20.0);
+}
 
 Ensemble realise(const ParametricModel& model, std::span<const double> point, const AirSource& air,
                  std::span<const double> times, const RealiseOptions& options) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,7 +38,12 @@ struct RealiseOptions {
   double relative_error = 0.0;
   long max_steps = 100000000;      ///< most steps of a realisation
   ProgressCallback progress = {};  ///< asked every 256 steps; cancels after the last 256 that were finished
+  /// Given what is done, for checkpoints: after 1024 realisations or 10 s, then every 10 s, and where it is cancelled.
+  std::function<void(const Ensemble&)> so_far = {};
 };
+
+/// A step that resolves the body's own motion, 1 ms or less [s]; whether it resolves the air's, the ensemble says.
+double step_of_body(const ParametricModel& model, std::span<const double> point);
 
 /// @param model with the parameters of gusts (gust_layout.h), none of them fixed or free
 /// @param point its free coordinates (SI)

@@ -169,8 +169,7 @@ class Checks {
       return;
     }
     if (one.outcome.message.empty()) find("{}: there is no trajectory, and no message says why", where);
-    const auto valid = std::ranges::upper_bound(times_, one.outcome.reached) - times_.begin();
-    if (!one.values.topRows(valid).allFinite()) {
+    if (!one.values.topRows(rows_reached(one.outcome, times_)).allFinite()) {
       find("{}: values before the time reached are not finite", where);
     }
   }

@@ -20,9 +20,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// Nothing is left where nothing is known.
 void clear_invalid(const TrajectoryOutcome& outcome, const std::vector<double>& times,
                    Eigen::MatrixXd& rows) {
-  if (outcome || rows.size() == 0) return;
-  const auto valid = std::ranges::upper_bound(times, outcome.reached) - times.begin();
-  rows.bottomRows(rows.rows() - valid).setConstant(kUnknown);
+  if (rows.size() > 0) rows.bottomRows(rows.rows() - rows_reached(outcome, times)).setConstant(kUnknown);
 }
 
 FamilyTrajectory evaluated(TrajectorySource& source, std::span<const double> q,
@@ -41,6 +39,10 @@ FamilyTrajectory evaluated(TrajectorySource& source, std::span<const double> q,
 }
 
 }  // namespace
+
+Eigen::Index rows_reached(const TrajectoryOutcome& outcome, std::span<const double> times) {
+  return outcome ? std::ssize(times) : std::ranges::upper_bound(times, outcome.reached) - times.begin();
+}
 
 std::unique_ptr<TrajectorySource> TrajectoryFamily::at(const std::vector<double>& times,
                                                        const std::vector<std::string>& outputs,

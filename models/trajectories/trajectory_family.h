@@ -84,6 +84,9 @@ struct TrajectoryOutcome {
   explicit operator bool() const { return status == TrajectoryStatus::done; }
 };
 
+/// How many rows are valid: all where it is done. @param times not decreasing
+Eigen::Index rows_reached(const TrajectoryOutcome& outcome, std::span<const double> times);
+
 /// q -> values and derivatives at fixed times, for chosen outputs. Holds scratch space: one per thread.
 class TrajectorySource {
  public:

@@ -103,8 +103,8 @@ PlannedFall::PlannedFall(const MotionPlan& plan)
       semi_length_(plan.semi_length()),
       longest_piece_(kLongestPiece * semi_length_ / plan.scales().velocity),
       turbulence_factor_(motion::turbulence_factor(plan)),
-      steps_to_look_(std::max(1, static_cast<int>(kLook * semi_length_ / plan.scales().velocity /
-                                                  plan.search.step * (1.0 + 1e-9)))),
+      steps_to_look_(static_cast<int>(std::clamp(
+          kLook * semi_length_ / plan.scales().velocity / plan.search.step * (1.0 + 1e-9), 1.0, 1e9))),
       finder_(finder_of(plan)) {
   release_height_ = release().height;
   if (plan.database) choices_.emplace(plan);

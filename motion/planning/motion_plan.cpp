@@ -16,7 +16,6 @@
 #include "samara/motion/planning/book_tangents.h"
 #include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/segment_choices.h"
-#include "samara/motion/sweeps/plan_numbers.h"
 
 namespace samara::motion {
 
@@ -89,8 +88,7 @@ class PlanReader {
   void read_body() {
     const auto body = root_.optional_table("body");
     if (!body) return;
-    for (const std::string& key : body->keys())
-      plan_.fixed[key] = in_size(*body, key, body->quantity(key, unit_of(*body, key)));
+    for (const std::string& key : body->keys()) plan_.fixed[key] = body->quantity(key, unit_of(*body, key));
   }
 
   void set_initial(const TomlTable& table, const std::string& key, const std::string& name, double value) {
@@ -102,15 +100,15 @@ class PlanReader {
     const TomlTable release = root_.table("release");
     release.expect_keys(planar_ ? std::vector<std::string>{"height", "tilt"}
                                 : std::vector<std::string>{"height", "tilt", "axis"});
-    const double height = in_size(release, "height", release.positive("height", length_));
+    const double height = release.positive("height", length_);
     set_initial(release, "height", planar_ ? "y(0)" : "z(0)", height);
     const auto tilt = release.optional_quantity("tilt", "1");
     if (!tilt && release.has("axis"))
       throw release.error("axis", "is that of a tilt, which is missing: expected both, or none");
     const double axis = release.optional_quantity("axis", "1").value_or(0.0);
     if (!tilt) return;
-    if (planar_) return set_initial(release, "tilt", "theta(0)", in_size(release, "tilt", *tilt));
-    const double sine = std::sin(0.5 * in_size(release, "tilt", *tilt));
+    if (planar_) return set_initial(release, "tilt", "theta(0)", *tilt);
+    const double sine = std::sin(0.5 * *tilt);
     set_initial(release, "tilt", "qw(0)", std::cos(0.5 * *tilt));
     set_initial(release, "tilt", "qx(0)", sine * std::cos(axis));
     set_initial(release, "tilt", "qy(0)", sine * std::sin(axis));
@@ -191,7 +189,7 @@ class PlanReader {
     const auto layout = StateLayout::of(info);
     if (!layout->has_velocities) throw path.error(key, "is of models with velocities, expected a file");
     const auto number = [&](const char* name, const std::string& unit) {
-      return in_size(formula, name, formula.quantity(name, unit));
+      return formula.quantity(name, unit);
     };
     const std::string &speed = info.states[layout->velocity[0]].unit,
                       &rate = info.states[layout->rate[0]].unit;
@@ -230,8 +228,7 @@ class PlanReader {
       throw path->error(key, "stands beside another line, expected one of them");
     plan_.sketch = key == "file" ? read_sketch(named(path->string("file")), planar_, {length_, time_})
                                  : read_formula(*path, key);
-    if (path->has("deviation"))
-      plan_.deviation = in_size(*path, "deviation", path->positive("deviation", length_));
+    if (path->has("deviation")) plan_.deviation = path->positive("deviation", length_);
     const double height = plan_.fixed.at(planar_ ? "y(0)" : "z(0)");
     const double begins = plan_.sketch->top();
     const double tolerance = 2.0 * plan_.semi_length() + 0.02 * height;
@@ -302,12 +299,11 @@ class PlanReader {
     std::vector<std::string> keys = {"x", "deviation"};
     if (!planar_) keys.push_back("y");
     landing->expect_keys(keys);
-    plan_.landing =
-        Eigen::Vector3d(in_size(*landing, "x", landing->quantity("x", length_)), 0.0, plan_.ground);
-    if (!planar_) plan_.landing->y() = in_size(*landing, "y", landing->quantity("y", length_));
+    plan_.landing = Eigen::Vector3d(landing->quantity("x", length_), 0.0, plan_.ground);
+    if (!planar_) plan_.landing->y() = landing->quantity("y", length_);
     if (!landing->has("deviation")) return;
     if (plan_.sketch) throw landing->error("deviation", "stands beside [path], expected it there");
-    plan_.deviation = in_size(*landing, "deviation", landing->positive("deviation", length_));
+    plan_.deviation = landing->positive("deviation", length_);
   }
 
   static int count(const TomlTable& table, const std::string& key, std::int64_t least, std::int64_t most,
@@ -322,7 +318,7 @@ class PlanReader {
     if (root_.has("duration")) {
       if (plan_.duration)
         throw root_.error("duration", "stands beside a sketch with times, expected one of the two");
-      plan_.duration = in_size(root_, "duration", root_.positive("duration", time_));
+      plan_.duration = root_.positive("duration", time_);
     }
     if (const auto turbulence = root_.optional_table("turbulence")) {
       turbulence->expect_keys({"intensity"});
@@ -352,8 +348,8 @@ class PlanReader {
     plan_.search.children = count(search, "children", 2, 4096, plan_.search.children);
     plan_.search.sweeps = count(search, "sweeps", 0, 100, plan_.search.sweeps);
     plan_.search.seed = static_cast<std::uint64_t>(count(search, "seed", 0, 2000000000, 1));
-    if (search.has("step")) plan_.search.step = in_size(search, "step", search.positive("step", time_));
-    if (search.has("ramp")) plan_.search.ramp = in_size(search, "ramp", search.positive("ramp", time_));
+    if (search.has("step")) plan_.search.step = search.positive("step", time_);
+    if (search.has("ramp")) plan_.search.ramp = search.positive("ramp", time_);
     if (plan_.search.ramp < plan_.search.step) {
       throw search.error(search.has("ramp") ? "ramp" : "step",
                          fmt::format("makes a ramp of {} in steps of {}, expected a ramp of one step or more",

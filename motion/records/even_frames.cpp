@@ -7,9 +7,12 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/smoothing/medians.h"
 #include "samara/motion/records/motion_record.h"
 
 namespace samara::motion {
+
+using identification::median_interval;
 
 namespace {
 
@@ -17,12 +20,6 @@ double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
-}
-
-double median_interval(const Eigen::VectorXd& times) {
-  std::vector<double> intervals;
-  for (Eigen::Index k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
-  return median_of(std::move(intervals));
 }
 
 /// The frame before the first gap that is too long.

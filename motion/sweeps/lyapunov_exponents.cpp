@@ -32,12 +32,9 @@ Disturbed disturbed(const SweepPlan& plan, const Eigen::MatrixXd& points) {
     if (std::ranges::find(free, name) != free.end()) continue;
     double value = 0.0;
     for (const auto& state : info.states) {
-      if (state.name + "(0)" == name) value = state.default_initial;
+      if (state.name + "(0)" == name) value = models::held_start(state, fixed);
     }
-    if (const auto it = fixed.find(name); it != fixed.end()) {
-      value = it->second;
-      fixed.erase(it);
-    }
+    fixed.erase(name);
     free.push_back(name);
     all.conservativeResize(Eigen::NoChange, all.cols() + 1);
     all.col(all.cols() - 1).setConstant(value);

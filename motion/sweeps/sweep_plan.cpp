@@ -12,7 +12,6 @@
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/motion/sweeps/pattern_map.h"
-#include "samara/motion/sweeps/plan_numbers.h"
 
 namespace samara::motion {
 
@@ -67,7 +66,7 @@ SweepAxis read_axis(const TomlTable& axes, const std::string& key, const std::st
       if (!axis.values.empty() && !(value > axis.values.back()))
         throw axes.error(key, fmt::format("has the value {} after {}, expected them to increase", value,
                                           axis.values.back()));
-      axis.values.push_back(in_size(axes, key, value));
+      axis.values.push_back(value);
     }
     axis.lower = axis.values.front();
     axis.upper = axis.values.back();
@@ -75,8 +74,8 @@ SweepAxis read_axis(const TomlTable& axes, const std::string& key, const std::st
   }
   const TomlTable table = axes.table(key);
   table.expect_keys({"from", "to", "count"});
-  axis.lower = in_size(table, "from", table.quantity("from", unit));
-  axis.upper = in_size(table, "to", table.quantity("to", unit));
+  axis.lower = table.quantity("from", unit);
+  axis.upper = table.quantity("to", unit);
   if (!(axis.lower < axis.upper))
     throw axes.error(key, fmt::format("goes from {} to {}, expected from < to", axis.lower, axis.upper));
   if (sampled) {
@@ -130,8 +129,7 @@ void read_releases(const TomlTable& root, SweepPlan& plan) {
   if (tilts.empty() || axes.empty())
     throw table->error("tilt", "or axis has no values, expected at least one");
   for (const double axis : axes) {
-    for (const double tilt : tilts)
-      plan.releases.push_back({in_size(*table, "tilt", tilt), in_size(*table, "axis", axis)});
+    for (const double tilt : tilts) plan.releases.push_back({tilt, axis});
   }
 }
 
@@ -140,9 +138,9 @@ void read_run(const TomlTable& root, SweepPlan& plan) {
   run.expect_keys({"until", "step", "interval", "settle", "height", "keep", "spread"});
   const models::ModelInfo& info = plan.model->info();
   const std::string time = models::time_unit(info);
-  plan.until = in_size(run, "until", run.positive("until", time));
-  plan.step = in_size(run, "step", run.positive("step", time));
-  plan.interval = in_size(run, "interval", run.optional_positive("interval", time).value_or(4.0 * plan.step));
+  plan.until = run.positive("until", time);
+  plan.step = run.positive("step", time);
+  plan.interval = run.optional_positive("interval", time).value_or(4.0 * plan.step);
   plan.settle = run.optional_quantity("settle", time).value_or(0.5 * plan.until);
   const double frames = std::floor((plan.until - plan.settle) / plan.interval * (1.0 + 1e-12));
   if (!(plan.settle >= 0.0) || frames < 2.0 * static_cast<double>(kFewestFrames)) {
@@ -160,7 +158,7 @@ void read_run(const TomlTable& root, SweepPlan& plan) {
                                 plan.until / plan.interval, kMostFrames));
   }
   const std::string length = MotionStates(info).is_planar() && time == "1" ? "1" : "m";
-  if (run.has("height")) plan.height = in_size(run, "height", run.positive("height", length));
+  if (run.has("height")) plan.height = run.positive("height", length);
   plan.keep_trajectories = run.choice("keep", {"features", "trajectories"}) == "trajectories";
   plan.spread = run.optional_boolean("spread").value_or(false);
 }
@@ -253,7 +251,7 @@ SweepPlan plan_of(const TomlTable& root, const std::string& text) {
   const auto units = settable(plan.model->info());
   if (const auto fixed = root.optional_table("fixed")) {
     for (const std::string& key : fixed->keys())
-      plan.fixed[key] = in_size(*fixed, key, fixed->quantity(key, unit_of(*fixed, key, units)));
+      plan.fixed[key] = fixed->quantity(key, unit_of(*fixed, key, units));
   }
   read_axes(root, units, plan);
   read_releases(root, plan);

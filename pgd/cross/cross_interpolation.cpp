@@ -166,12 +166,12 @@ class Cross {
   }
 
   /// Of the rows of the left unfolding of block k, where they are: outputs at the same place come from one entry. Empty
-  /// where there is one output only.
+  /// where that does not matter.
   std::vector<int> places_of_rows(std::size_t k) const {
+    if (outputs_ == 1 || !options_.few_places) return {};
     const std::vector<std::vector<int>> places = members_by_place(left_[k].bottomRows(left_[k].rows() - 1));
     const auto count = static_cast<int>(places.size());
     const auto members = static_cast<std::size_t>(left_[k].cols());
-    if (outputs_ == 1) return {};
     std::vector<int> of_rows(members * static_cast<std::size_t>(mode_size(k)));
     for (int i = 0; i < mode_size(k); ++i) {
       for (int place = 0; place < count; ++place) {
@@ -218,7 +218,7 @@ class Cross {
   bool finished(CrossResult& result) {
     result.guard_error = table_.bad_entry().empty() ? guard() : std::numeric_limits<double>::infinity();
     if (!table_.bad_entry().empty()) {
-      result.status = CrossStatus::not_finite;
+      result.status = Termination::not_finite;
       result.message =
           fmt::format("the function is not finite at entry ({})", fmt::join(table_.bad_entry(), ", "));
       return true;
@@ -226,13 +226,13 @@ class Cross {
     const std::string figures = fmt::format("guard error {:.3g} after {} sweeps and {} evaluations",
                                             result.guard_error, result.sweeps, evaluations());
     if (result.guard_error <= options_.tolerance) {
-      result.status = CrossStatus::converged;
+      result.status = Termination::converged;
       result.message = figures;
       return true;
     }
     if (result.sweeps >= options_.max_sweeps || evaluations() >= options_.max_evaluations) {
       result.status =
-          result.sweeps >= options_.max_sweeps ? CrossStatus::max_sweeps : CrossStatus::max_evaluations;
+          result.sweeps >= options_.max_sweeps ? Termination::max_iterations : Termination::max_calls;
       result.message = fmt::format("{} > {:.3g}", figures, options_.tolerance);
       return true;
     }

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/pgd/tensors/index_batch.h"
 #include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/tensor_train.h"
@@ -65,6 +66,9 @@ struct CrossOptions {
   long max_evaluations = 50'000'000;
   std::uint64_t seed = 1;
   CrossPivots start = {};  ///< empty: random
+  /// An entry gives all outputs: left sets are at few places then, which takes fewer entries, and higher ranks, as
+  /// coefficients may be four times as large (max_volume()). For functions of which entries are dear.
+  bool few_places = false;
   /// Told the state between sweeps. Entries are then forgotten, so that an interpolation that goes on from there asks
   /// for the same ones, and gives the same to the last bit.
   std::function<void(CrossState&)> checkpoint = {};
@@ -72,11 +76,9 @@ struct CrossOptions {
   std::optional<CrossState> state = {};
 };
 
-enum class CrossStatus { converged, max_sweeps, max_evaluations, not_finite };
-
 struct CrossResult {
-  TensorTrain train;  ///< first mode: the outputs, then the grid's modes
-  CrossStatus status = CrossStatus::max_sweeps;
+  TensorTrain train;                                 ///< first mode: the outputs, then the grid's modes
+  Termination status = Termination::max_iterations;  ///< converged, max_iterations, max_calls or not_finite
   std::string message = "interpolate() was not called";
   double guard_error = 0.0;  ///< largest difference on the last guard entries
   double largest = 0.0;      ///< largest |value| seen

@@ -130,7 +130,7 @@ FunctionResult quotient(const SeparatedField& f, const SeparatedField& g, const 
   const auto refuse = [&](int m, std::vector<double> point, FunctionResult result) {
     result.field.reset();
     result.tolerance_met = false;
-    result.status = FunctionStatus::sign_change;
+    result.status = Termination::sign_change;
     result.message = fmt::format("the denominator {} is zero or changes its sign at {}",
                                  g.outputs()[static_cast<std::size_t>(m)].name, described(g.axes(), point));
     result.point = std::move(point);

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/termination.h"
 #include "samara/pgd/fields/separated_field.h"
 
 /// Products, quotients and other functions of fields, entry by entry on the nodes of their axes.
@@ -28,16 +29,11 @@ struct FunctionOptions {
   std::uint64_t seed = 1;
 };
 
-enum class FunctionStatus {
-  met,               ///< error <= tolerance
-  tolerance_missed,  ///< ranks, sweeps, evaluations or terms ran out; the field is the best found
-  not_finite,        ///< a value is not finite at `point`; no field
-  sign_change,       ///< a denominator is zero or changes its sign, at `point`; no field
-};
-
 struct FunctionResult {
   std::optional<SeparatedField> field;  ///< empty if there is a `point`
-  FunctionStatus status = FunctionStatus::tolerance_missed;
+  /// converged; missed: ranks, sweeps, evaluations or terms ran out, the field is the best found; not_finite,
+  /// sign_change: at `point`, no field.
+  Termination status = Termination::missed;
   std::string message = "the function was not called";
   double error = 0.0;  ///< largest over outputs and check nodes, relative as FunctionOptions::tolerance
   bool tolerance_met = false;

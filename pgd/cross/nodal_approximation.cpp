@@ -128,7 +128,7 @@ class Build {
 
   void refuse(const std::vector<int>& node, const Eigen::VectorXd& output) {
     all_finite_ = false;
-    result_.status = FunctionStatus::not_finite;
+    result_.status = Termination::not_finite;
     result_.point = coordinates(axes_, node);
     Eigen::Index m = 0;
     while (std::isfinite(output[m])) ++m;
@@ -166,7 +166,7 @@ class Build {
       result_.field = field_from_nodal_values(axes_, outputs_, sum.tensor);
       result_.error = largest_error(check, exact);
       sum_message = sum.message;
-      if (result_.error <= options_.tolerance || sum.status != SeparationStatus::met) break;
+      if (result_.error <= options_.tolerance || sum.status != Termination::converged) break;
     }
     report(train, sum_message);
   }
@@ -185,7 +185,7 @@ class Build {
 
   void report(const CrossResult& train, const std::string& sum) {
     result_.tolerance_met = result_.error <= options_.tolerance;
-    result_.status = result_.tolerance_met ? FunctionStatus::met : FunctionStatus::tolerance_missed;
+    result_.status = result_.tolerance_met ? Termination::converged : Termination::missed;
     result_.message =
         fmt::format("error {:.3g} {} {:.3g} at {} check nodes; {} evaluations on a grid of {:.3g}",
                     result_.error, result_.tolerance_met ? "<=" : ">", options_.tolerance, kCheckNodes,

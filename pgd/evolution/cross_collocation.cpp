@@ -40,7 +40,7 @@ Outcome<SolvedSlab> CrossCollocation::solve(MarchContext& context, SlabCell& cel
   options.start = cell.pivots;
   CrossResult cross =
       interpolate(at_entries, static_cast<int>(cell.slab->values.rows()), sizes_of(cell.axes), options);
-  if (cross.status == CrossStatus::not_finite) {
+  if (cross.status == Termination::not_finite) {
     return Ending{Termination::not_finite, "the equations could not be solved at a node",
                   coordinates(cell.axes, cross.bad_entry)};
   }

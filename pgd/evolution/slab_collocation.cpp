@@ -52,8 +52,8 @@ Eigen::MatrixXd collocation_matrix(const Eigen::MatrixXd& integration,
 }
 
 int SlabPoints::first_failed() const {
-  const auto it = std::find_if(status.begin(), status.end(),
-                               [](SlabPointStatus s) { return s != SlabPointStatus::solved; });
+  const auto it =
+      std::find_if(status.begin(), status.end(), [](Termination s) { return s != Termination::converged; });
   return it == status.end() ? -1 : static_cast<int>(it - status.begin());
 }
 
@@ -103,7 +103,7 @@ void SlabCollocation::store(Chunk& chunk, int point, const Eigen::Ref<const Eige
   const Eigen::Index first = Eigen::Index{states()} * (s * chunk.element + 1);
   chunk.answer.values.col(point).segment(first, Eigen::Index{states()} * s) =
       (scales_.cwiseInverse().asDiagonal() * x).reshaped();
-  chunk.answer.status[static_cast<std::size_t>(point)] = SlabPointStatus::solved;
+  chunk.answer.status[static_cast<std::size_t>(point)] = Termination::converged;
 }
 
 void SlabCollocation::picard(Chunk& chunk, double tolerance) const {
@@ -159,10 +159,10 @@ void SlabCollocation::newton(Chunk& chunk, double tolerance) const {
   const Eigen::Index n = states();
   const Eigen::MatrixXd integration = chunk.length * time_.integration;
   const auto column = chunk.point.front();
-  SlabPointStatus& status = chunk.answer.status[static_cast<std::size_t>(column)];
+  Termination& status = chunk.answer.status[static_cast<std::size_t>(column)];
   Eigen::MatrixXd x = chunk.start.col(0).replicate(1, s);
   Eigen::MatrixXd jacobians;
-  status = SlabPointStatus::no_contraction;
+  status = Termination::no_contraction;
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
     const auto t = chunk.t.head(s);
     const auto q = chunk.q.leftCols(s);
@@ -171,7 +171,7 @@ void SlabCollocation::newton(Chunk& chunk, double tolerance) const {
     chunk.evaluations += 2L * s;
     ++chunk.iterations;
     if (!chunk.f.leftCols(s).allFinite() || !jacobians.allFinite()) {
-      status = SlabPointStatus::not_finite;
+      status = Termination::not_finite;
       return;
     }
     Eigen::MatrixXd residual = chunk.f.leftCols(s) * integration.transpose() - x;
@@ -182,7 +182,7 @@ void SlabCollocation::newton(Chunk& chunk, double tolerance) const {
     const double correction =
         (scales_.cwiseInverse().asDiagonal() * step.reshaped(n, s)).cwiseAbs().maxCoeff();
     if (!(correction < kLargest)) {
-      status = SlabPointStatus::not_finite;
+      status = Termination::not_finite;
       return;
     }
     if (correction > tolerance) continue;
@@ -208,7 +208,7 @@ SlabPoints SlabCollocation::solve(const std::vector<double>& borders, const Eige
   answer.values = Eigen::MatrixXd::Constant(Eigen::Index{states()} * (elements * time_.points() + 1), points,
                                             std::numeric_limits<double>::quiet_NaN());
   answer.values.topRows(states()) = start;
-  answer.status.assign(static_cast<std::size_t>(points), SlabPointStatus::solved);
+  answer.status.assign(static_cast<std::size_t>(points), Termination::converged);
   const Eigen::Index chunks = (points + kChunk - 1) / kChunk;
   std::vector<Chunk> work(static_cast<std::size_t>(chunks), Chunk(q, answer));
   parallel_for(chunks, [&](Eigen::Index c) {
@@ -216,7 +216,7 @@ SlabPoints SlabCollocation::solve(const std::vector<double>& borders, const Eige
     for (int e = 0; e < elements; ++e) {
       std::vector<int> columns;
       for (Eigen::Index p = c * kChunk; p < std::min(points, (c + 1) * kChunk); ++p) {
-        if (answer.status[static_cast<std::size_t>(p)] == SlabPointStatus::solved)
+        if (answer.status[static_cast<std::size_t>(p)] == Termination::converged)
           columns.push_back(static_cast<int>(p));
       }
       chunk.element = e;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/termination.h"
 #include "samara/pgd/evolution/evolution_problem.h"
 
 namespace samara::pgd {
@@ -26,17 +27,15 @@ struct SlabTime {
 Eigen::MatrixXd collocation_matrix(const Eigen::MatrixXd& integration,
                                    const Eigen::Ref<const Eigen::MatrixXd>& jacobians);
 
-enum class SlabPointStatus { solved, no_contraction, not_finite };
-
 /// Solutions of x' = f(t, x, q) on a slab of one or more elements, each at its own q.
 struct SlabPoints {
   /// Row m + states * i: state m, over its scale, at node i of the slab (elements * s + 1 of them). One
   /// column per point; NaN from where a point was not solved.
   Eigen::MatrixXd values;
-  std::vector<SlabPointStatus> status;
-  long evaluations = 0;      ///< of f (and of J, counted once for every time node)
-  long iterations = 0;       ///< summed over the points
-  double contraction = 0.0;  ///< largest ratio of successive corrections
+  std::vector<Termination> status;  ///< of each point: converged, no_contraction or not_finite
+  long evaluations = 0;             ///< of f (and of J, counted once for every time node)
+  long iterations = 0;              ///< summed over the points
+  double contraction = 0.0;         ///< largest ratio of successive corrections
 
   /// First point that was not solved, or -1.
   int first_failed() const;

@@ -170,7 +170,7 @@ double SlabMarch::carry_on(SlabCell& cell, const TensorTrain& train) {
   const Eigen::Index element = states * MarchContext::kTimePoints;
   double error = 0.0;
   for (Eigen::Index j = 0; j < carried.values.cols(); ++j) {
-    if (carried.status[static_cast<std::size_t>(j)] != SlabPointStatus::solved) {
+    if (carried.status[static_cast<std::size_t>(j)] != Termination::converged) {
       error = std::numeric_limits<double>::infinity();
       continue;
     }

@@ -170,7 +170,7 @@ Ending TimeStepper::give_up(const SlabCell& cell, double length, const SlabPoint
   if (!failed) points.values.cwiseAbs().colwise().maxCoeff().maxCoeff(&worst);
   const Eigen::VectorXd start = points.values.col(worst).head(context_.states());
   const bool unsolved = failed &&
-                        points.status[static_cast<std::size_t>(worst)] == SlabPointStatus::no_contraction &&
+                        points.status[static_cast<std::size_t>(worst)] == Termination::no_contraction &&
                         !moves_by_its_size(cell.time, start, q.col(worst), length);
   return unsolved ? ending_at(cell, Termination::no_contraction, "the equations could not be solved", length,
                               q.col(worst))

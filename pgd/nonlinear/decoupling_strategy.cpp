@@ -77,17 +77,14 @@ class Decoupling final : public Strategy {
 
   TensorTrain products(const StrategySlab& slab, const std::vector<Monomial>& terms, int m,
                        double tolerance) const {
-    const auto state = [&](int k) {
-      return scaled(unknowns_[static_cast<std::size_t>(k)], slab.scales()[k]);  // SI
-    };
+    const auto state = [&](int k) { return unknowns_[static_cast<std::size_t>(k)]; };
     const auto product = [&](const TensorTrain& a, const TensorTrain& b) {
       return slab.product(a, b, tolerance);
     };
     TensorTrain total = scaled(unknowns_[static_cast<std::size_t>(m)], 0.0);
     for (const Monomial& term : terms) {
       if (term.state != m || term.coefficient == 0.0) continue;
-      const TensorTrain one = monomial_product(term, term.coefficient * slab.length() / slab.scales()[m],
-                                               slab.points(), slab.problem().parameters, state, product);
+      const TensorTrain one = monomial_product(term, slab, state, product);
       total = slab.compressed(sum(total, one), tolerance / static_cast<double>(terms.size()));
     }
     return total;

@@ -56,7 +56,7 @@ class Enrichment final : public Strategy {
     if (!found) return found.ending();
     const Separation products =
         separate(*found, 0.1 * kSumOfJacobian * std::sqrt(full_size(*found)), kMostJacobianTerms);
-    if (products.status != SeparationStatus::met)
+    if (products.status != Termination::converged)
       return out_of_terms(slab, "the Jacobian takes more products than are allowed");
     jacobian_ = products.tensor;
     // The source is of the very A that the linear problem has: what A lacks then costs iterations, no accuracy.
@@ -81,7 +81,7 @@ class Enrichment final : public Strategy {
     const TensorTrain integrals =
         applied(linear.source, 0, for_all_states(slab.integration(), slab.states()));
     const Separation rhs = separate(integrals, 0.1 * finest * entries, kMostTerms);
-    if (rhs.status != SeparationStatus::met)
+    if (rhs.status != Termination::converged)
       return out_of_terms(slab, "the source takes more products than are allowed");
     const LinearProblem problem{operator_of(slab, jacobian_), rhs.tensor, {}, {}};
     const double size = norm(problem.rhs) / entries;

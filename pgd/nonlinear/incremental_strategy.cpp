@@ -29,17 +29,16 @@ class Products {
   }
 
  private:
-  /// One state alone: its first mode the Radau points.
+  /// One state alone, over its scale: its first mode the Radau points.
   TensorTrain state(int m) const {
     Eigen::MatrixXd selection = Eigen::MatrixXd::Zero(slab_.points(), slab_.rows());
-    for (int i = 0; i < slab_.points(); ++i) selection(i, m + slab_.states() * i) = slab_.scales()[m];  // SI
+    for (int i = 0; i < slab_.points(); ++i) selection(i, m + slab_.states() * i) = 1.0;
     return applied(at_points_, 0, selection);
   }
 
   TensorTrain term(const Monomial& monomial) const {
     TensorTrain product = monomial_product(
-        monomial, monomial.coefficient * slab_.length() / slab_.scales()[monomial.state], slab_.points(),
-        slab_.problem().parameters, [this](int m) { return state(m); },
+        monomial, slab_, [this](int m) { return state(m); },
         [this](const TensorTrain& a, const TensorTrain& b) { return slab_.product(a, b, tolerance_); });
     Eigen::MatrixXd placed = Eigen::MatrixXd::Zero(slab_.rows(), slab_.points());
     for (int i = 0; i < slab_.points(); ++i) placed(monomial.state + slab_.states() * i, i) = 1.0;

@@ -1,5 +1,6 @@
 #include "samara/pgd/nonlinear/monomial_product.h"
 
+#include <cmath>
 #include <utility>
 
 namespace samara::pgd {
@@ -15,11 +16,14 @@ TensorTrain times_nodes(TensorTrain train, int mode, const Eigen::VectorXd& node
 }
 
 TensorTrain monomial_product(
-    const Monomial& monomial, double factor, int times, const std::vector<Axis>& parameters,
-    const std::function<TensorTrain(int)>& state,
+    const Monomial& monomial, const StrategySlab& slab, const std::function<TensorTrain(int)>& state,
     const std::function<TensorTrain(const TensorTrain&, const TensorTrain&)>& product) {
+  const std::vector<Axis>& parameters = slab.problem().parameters;
+  double factor = monomial.coefficient * slab.length() / slab.scales()[monomial.state];
+  for (std::size_t m = 0; m < monomial.state_powers.size(); ++m)
+    factor *= std::pow(slab.scales()[static_cast<Eigen::Index>(m)], monomial.state_powers[m]);
   TensorTrain result;
-  result.cores.emplace_back(1, times, 1);
+  result.cores.emplace_back(1, slab.points(), 1);
   for (const Axis& axis : parameters) result.cores.emplace_back(1, axis.size(), 1);
   for (TrainCore& core : result.cores) core.data.setOnes();
   result.cores[0].data *= factor;

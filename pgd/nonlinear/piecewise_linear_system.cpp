@@ -71,7 +71,7 @@ TrainingStates train_along(const EvolutionProblem& problem, int samples, double 
     evaluations += solved.evaluations;
     std::vector<int> alive;
     for (Eigen::Index j = 0; j < q.cols(); ++j) {
-      if (solved.status[static_cast<std::size_t>(j)] != SlabPointStatus::solved) continue;
+      if (solved.status[static_cast<std::size_t>(j)] != Termination::converged) continue;
       alive.push_back(static_cast<int>(j));
       for (int i = part == 0 ? 0 : 1; i <= s; ++i) {
         t.push_back(begin + length * collocation.time().nodes[i]);

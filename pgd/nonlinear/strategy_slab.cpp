@@ -155,7 +155,7 @@ Outcome<TensorTrain> StrategySlab::separate(const EntryFunction& function, int o
   options.start = pivots;
   CrossResult result = interpolate(function, outputs, sizes_, options);
   const double end = begin_ + length_;
-  if (result.status == CrossStatus::not_finite) {
+  if (result.status == Termination::not_finite) {
     const std::vector<double> at = coordinates(problem_.parameters, result.bad_entry);
     return Ending{
         Termination::not_finite,

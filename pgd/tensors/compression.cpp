@@ -76,7 +76,7 @@ CompressionResult compress(const SeparatedTensor& tensor, double tolerance) {
     best.keep({});
   } else {
     const Separation separation = separate(train, 0.9 * tolerance, best.rank() - 1);
-    if (separation.status == SeparationStatus::met) best = separation.tensor;
+    if (separation.status == Termination::converged) best = separation.tensor;
   }
   best.normalise();
   const double error = distance(best, tensor);

@@ -135,7 +135,7 @@ void look_for_sum(const TensorTrain& train, double tolerance, int max_terms, Sep
 
 void report(Separation& result, double tolerance, int max_terms) {
   const bool met = result.error <= tolerance && result.tensor.rank() <= max_terms;
-  result.status = met ? SeparationStatus::met : SeparationStatus::too_many_terms;
+  result.status = met ? Termination::converged : Termination::rank_limit;
   result.message =
       fmt::format("error {:.3g} {} {:.3g} with {} terms ({} allowed), {:.3g} products in the full expansion",
                   result.error, result.error <= tolerance ? "<=" : ">", tolerance, result.tensor.rank(),

@@ -2,19 +2,16 @@
 
 #include <string>
 
+#include "samara/base/termination.h"
 #include "samara/pgd/tensors/separated_tensor.h"
 #include "samara/pgd/tensors/tensor_train.h"
 
 namespace samara::pgd {
 
-enum class SeparationStatus {
-  met,             ///< the sum differs from the train by at most the tolerance
-  too_many_terms,  ///< no sum of the allowed number of terms was found; the best one is returned
-};
-
 struct Separation {
   SeparatedTensor tensor;  ///< normalised
-  SeparationStatus status = SeparationStatus::too_many_terms;
+  /// converged; rank_limit: no sum of the allowed number of terms was found, the best one is returned.
+  Termination status = Termination::rank_limit;
   std::string message = "separate() was not called";
   double error = 0.0;     ///< ||tensor - train||, measured, Euclidean
   double chains = 0.0;    ///< products in the full expansion of the train after rounding

@@ -74,7 +74,7 @@ def _array(values: Any) -> NDArray[np.float64]:
 class FitResult:
     """Coefficients with uncertainty, what may be said of them, and what was minimised.
 
-    ``status`` is "converged", "not determined", "iteration limit" or "failed": outcomes are no exceptions. ``raw`` is all
+    ``status`` is "converged", "not_determined", "max_iterations" or "failed": outcomes are no exceptions. ``raw`` is all
     of it, as ``samara fit --json`` prints it.
     """
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+import pathlib
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -221,6 +223,7 @@ def realise(
     body_radius: Optional[Quantity] = None,
     rotation: bool = False,
     threads: Optional[int] = None,
+    checkpoint: Optional[Path] = None,
     progress: Progress = False,
 ) -> Cloud:
     """Flies one release many times through a fluid that is random, as ``samara simulate --realisations`` does.
@@ -234,6 +237,8 @@ def realise(
     :param relative_error: stop as soon as the mean displacement is known so well
     :param C_0: of the fluid seen; 0: that of the local Reynolds number
     :param body_radius: over which the body averages the fluid [m]; None: its own
+    :param checkpoint: a file that keeps what is done until all is: the same call goes on from it, to the same bits, and may ask
+        for more realisations
     :param progress: as of ``samara.build``; where it ends the work, the cloud holds what was done, and is ``cancelled``
     """
     info = _info(model)
@@ -244,7 +249,7 @@ def realise(
     frames = to_si(times, info.time_unit, "times")
     if frames.ndim != 1:
         raise ArgumentError(f"times have the shape {frames.shape}, expected (times,)")
-    options = {
+    options: dict[str, Any] = {
         "realisations": _count(realisations, "realisations"),
         "first": _count(first, "first"),
         "seed": _count(seed, "seed"),
@@ -260,13 +265,33 @@ def realise(
         "rotation": bool(rotation),
     }
     told_air = _air(air, radius)
+    options["checkpoint"] = "" if checkpoint is None else os.fspath(checkpoint)
+    options["identity"] = "" if checkpoint is None else _identity(air, {**told_air, **options})
     if isinstance(air, Wake) and air.flow.summary["status"] == "max_time":
         warnings.warn(f"the flow was not finished: {air.flow.summary['message']}", stacklevel=2)
     with Reported(progress) as report:
         told = _core.realise(core_model(model), values, frames.tolist(), told_air, options, report)
+    for warning in told.pop("warnings"):
+        warnings.warn(warning, stacklevel=2)
     told["status"] = np.array(told["status"], dtype=str)
     told["half_turns"] = np.array(told["half_turns"], dtype=np.int64)
     return Cloud(**told)
+
+
+def _identity(air: Union[Wind, Wake, Turbulence], told: Mapping[str, Any]) -> str:
+    """What tells the air from all other, what stands in a file included."""
+    names = ("kind", "k", "epsilon", "stream", "decays", "speed", "length", "place", "stream_beyond", "radius", "seed", "C_0", "body_radius", "rotation")
+    text = ", ".join(f"{name} {told[name]}" for name in names if name in told)
+    if isinstance(air, Wind):
+        try:
+            content = pathlib.Path(air.path).read_bytes()
+        except OSError:
+            content = b""  # why it cannot be read is said where the wind is made of it
+        return f"{text}\n{hashlib.sha256(content).hexdigest()}"
+    if isinstance(air, Wake):
+        fields = hashlib.sha256(b"".join(np.ascontiguousarray(air.flow[name]).tobytes() for name in air.flow))
+        return f"{text}\n{air.flow.summary}\n{fields.hexdigest()}"
+    return text
 
 
 def _air(air: Union[Wind, Wake, Turbulence], radius: Optional[float]) -> dict[str, Any]:

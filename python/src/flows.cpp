@@ -19,6 +19,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
 #include "samara/codebooks/model/wind_file.h"
+#include "samara/codebooks/source/realisation_checkpoint.h"
 #include "samara/flow/files/flow_view.h"
 #include "samara/models/stochastic/fluid_seen.h"
 #include "samara/models/stochastic/gust_layout.h"
@@ -212,7 +213,7 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
   const auto step = given["step"].cast<std::optional<double>>();
   const models::RealiseOptions options = {.realisations = given["realisations"].cast<long>(),
                                           .first = given["first"].cast<long>(),
-                                          .step = step.value_or(std::min(1e-3, model.scales({}).time / 20.0)),
+                                          .step = step.value_or(models::step_of_body(model, {})),
                                           .threads = given["threads"].cast<int>(),
                                           .states = given["states"].cast<std::vector<std::string>>(),
                                           .ground = given["ground"].cast<std::optional<double>>(),
@@ -220,8 +221,13 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
                                           .antithetic = given["antithetic"].cast<bool>(),
                                           .relative_error = given["relative_error"].cast<double>(),
                                           .progress = progress_to(progress, *failure)};
+  std::vector<std::string> warnings;
+  const codebooks::RealisationCheckpoint checkpoint = {
+      .file = given["checkpoint"].cast<std::filesystem::path>(),
+      .air = given["identity"].cast<std::string>(),
+      .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
   const models::Ensemble cloud =
-      unlocked(*failure, [&] { return models::realise(model, {}, *source, times, options); });
+      unlocked(*failure, [&] { return codebooks::realise(model, {}, *source, times, options, checkpoint); });
   py::list status;
   for (const models::RealisationStatus one : cloud.status) status.append(word_of(one));
   Eigen::MatrixXd landings(static_cast<Eigen::Index>(cloud.landings.size()), 5);
@@ -242,7 +248,8 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
                   py::arg("kept") = stacked(cloud.kept, cloud.times.size(), std::ssize(names)),
                   py::arg("first") = cloud.first, py::arg("step") = cloud.step,
                   py::arg("steps_beyond_tenth") = cloud.steps.beyond_tenth,
-                  py::arg("cancelled") = cloud.cancelled, py::arg("relative_error") = cloud.relative_error);
+                  py::arg("cancelled") = cloud.cancelled, py::arg("relative_error") = cloud.relative_error,
+                  py::arg("warnings") = warnings);
 }
 
 }  // namespace

@@ -188,7 +188,7 @@ class ReportInBrowser(Case):
         config = write("ratio_fit.toml", '[fixed]\narea = 4.7144e-4\ndensity = 6338.5\nm_a = 0.0\n[box]\nC_D = [0.6, 2.0]\n'
                        'thickness = ["2 mm", "3 mm"]\n"v(0)" = [-0.4, 0.8]\n')
         answer, page = fitted("vertical_fall", capture, "--config", config, code=4)
-        self.assertEqual(answer["status"], "not determined")
+        self.assertEqual(answer["status"], "not_determined")
         opened = self.opened(page)
         self.assertIn("not determined", opened.one("tr", data_name="C_D")["text"])
         self.assertEqual([e["text"] for e in opened.inside("li", opened.one("ul", **{"class": "claims"}))],

@@ -112,6 +112,15 @@ class Streams(Case):
         self.assertIn("it is where stdout leads; a file of its own was expected", result.stderr)
         self.assertEqual(log.read_text(), "header\n")
 
+    def test_no_stream_takes_a_file_in_hdf5_which_is_said_before_any_work(self):
+        pipe = FOLDER / "pipe.h5"
+        os.mkfifo(pipe)
+        for call in (["build", FOLDER / "line.toml"], ["flow", FOLDER / "none.toml"], ["sweep", FOLDER / "none.toml"], ["database", FOLDER / "none.h5"]):
+            for output, sentence in (("/dev/stdout", "it is not a regular file"), (pipe, "it is not a regular file"), ("/dev/null", "it is not a regular file"),
+                                     ("-", 'the output is "-", but HDF5 goes to no stream; the name of a file was expected')):
+                with self.subTest(call=call, output=output):
+                    self.check_error(run(*call, "-o", output), 2, sentence)
+
     def test_a_stream_that_was_written_has_no_size(self):
         result = run("plot", self.line, "-o", "/dev/null", "--json")
         self.assertIsNone(json.loads(result.stdout)["bytes"], result.stderr)

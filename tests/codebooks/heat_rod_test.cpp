@@ -318,6 +318,11 @@ TEST_CASE("plans of heat_rod that cannot be are refused with line and word") {
                                                         {"max_calls = 3", "without evaluations"}})
     CHECK_THAT(refusal_of_rod(std::string(kRodPlan) + "[builder]\n" + key), Contains(word));
   CHECK_THROWS_WITH(parse_plan(kRodPlan, "rod.toml").parametric_model(), Contains("no trajectories"));
+  const std::string wide = replaced(kRodPlan, "conductivity = [15.0, 60.0]",
+                                    "conductivity = { range = [1e-5, 1e5], basis = \"legendre\" }");
+  CHECK_THROWS_WITH(
+      build(parse_plan(wide, "rod.toml")),
+      Contains("conductivity goes from 1e-05 to 100000 in [box]") && Contains("more than 2000 nodes"));
 }
 
 TEST_CASE("what needs trajectories says that the rod has none") {

@@ -134,7 +134,9 @@ TEST_CASE("tallies of which one was given an empty capture still agree on the ca
   for (const double distance : {5.0, 7.0}) one.add({distance});
   for (const double distance : {4.0, 5.0, 7.0}) other.add({distance});
   // Of the captures of the first, however they are drawn, both say the same.
+  CHECK(one.behind(other).value == 0.0);
   CHECK(one.behind(other).error == 0.0);
+  CHECK(other.behind(one).value == 0.0);
 }
 
 TEST_CASE("the noise of a point with drag is told only where four frames show all components") {

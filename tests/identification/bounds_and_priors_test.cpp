@@ -83,6 +83,33 @@ TEST_CASE("a prior of a capture's own coordinate counts in its error with its ow
   }
 }
 
+TEST_CASE("beside a robust loss a prior of a capture's own coordinate weighs as it does in the cost") {
+  // Half of the frames lie beyond the bend: with m = mean(psi') they weigh m times what they do in J^T J.
+  Linear linear(0.02);
+  linear.options.loss = {.kind = LossKind::huber, .length_scale = 0.015};
+  linear.options.priors.coordinates["v(0)"] = {.mean = 1.2, .deviation = 0.01};
+  const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
+  double squares = 0.0, slopes = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double v = result.captures.at(c).nuisances.at(0).value;
+    const Eigen::VectorXd residual = 0.5 / 0.015 * linear.residual(c, v);
+    for (const double r : residual) {
+      squares += std::pow(std::min(std::abs(r), 1.0), 2);
+      slopes += std::abs(r) <= 1.0 ? 1.0 : 0.0;
+    }
+  }
+  const double m = slopes / 27;
+  REQUIRE(m < 0.8);
+  const double N = linear.a.squaredNorm() / (0.015 * 0.015);
+  const double P = 1e4;
+  const double K = 1.0 / (N + P / m);
+  const double variance = squares / (27 - 3 * N * K) / (m * m);
+  const double expected = K * std::sqrt(variance * N + P / (m * m));
+  for (const CaptureFit& capture : result.captures) {
+    CHECK_THAT(capture.nuisances.at(0).standard_error.value(), WithinRel(expected, 1e-5));
+  }
+}
+
 TEST_CASE("a prior of own coordinates counts with its own deviation in the errors of shared ones, too") {
   // Frames scatter far less than the loss scale says; what is known of v(0) beforehand limits k.
   Linear linear(0.002);
@@ -178,7 +205,7 @@ TEST_CASE("with an unknown at its bound every converged start has the minimum of
   const FitResult held = fit(BrakedFamily(), bounded.captures, bounded.held_at_bound());
   REQUIRE(free.coefficients.at(1).at_bound);
   for (const StartRecord& start : free.starts) {
-    if (start.status != FitStatus::converged) continue;
+    if (start.status != samara::Termination::converged) continue;
     CHECK_THAT(start.cost, WithinRel(held.cost, 1e-8));
     CHECK_THAT(start.coefficients.at(0), WithinRel(held.coefficients.at(0).value, 1e-5));
   }
@@ -228,7 +255,7 @@ TEST_CASE("a later start without trajectories does not change the errors of the 
   const FitResult one = fit(*family, captures, options);
   options.starts.count = 3;
   const FitResult three = fit(*family, captures, options);
-  REQUIRE(three.starts.back().status == FitStatus::failed);
+  REQUIRE(three.starts.back().status == samara::Termination::failed);
   CHECK_THAT(three.coefficients.at(0).standard_error.value(),
              WithinRel(one.coefficients.at(0).standard_error.value(), 1e-6));
   CHECK(three.join_defect == one.join_defect);

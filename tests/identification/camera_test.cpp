@@ -233,7 +233,7 @@ TEST_CASE("a camera of another scale and other axes biases coefficients unless i
   const FitOptions options = plate_options(true);
   const FitResult with = fit(*family, captures, options);
   INFO(with.message);
-  CHECK(with.status == FitStatus::converged);
+  CHECK(with.status == samara::Termination::converged);
   double worst_without = 0.0;
   for (std::size_t k = 0; k < with.coefficients.size(); ++k) {
     const Coefficient& c = with.coefficients[k];
@@ -281,7 +281,7 @@ TEST_CASE(
   options.camera.rotation = 0.05;
   const FitResult result = fit(*seen_card_family(), captures, options);
   INFO(result.message);
-  CHECK(result.status == FitStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(std::abs(result.coefficients.at(0).value - 1.2) <
         4.0 * result.coefficients[0].naive_standard_error.value());
   const std::array axes = {"x", "y", "z"};

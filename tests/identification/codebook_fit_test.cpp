@@ -72,7 +72,7 @@ TEST_CASE("a fit through a codebook equals linear least squares where the model 
   options.unknowns.offsets = {"x"};
   options.compared.span = kEnd;
   const FitResult result = fit(*family, captures, options);
-  REQUIRE(result.status == FitStatus::converged);
+  REQUIRE(result.status == Termination::converged);
 
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(60, 9);
   Eigen::VectorXd measured(60);

@@ -132,7 +132,7 @@ TEST_CASE(
   const Capture capture = fluttering(0.6, 5);
   const CoefficientSeries series = series_of(capture, {.coefficients = {"C_R"}, .span = 0.8});
   INFO(series.message);
-  REQUIRE(series.status == FitStatus::converged);
+  REQUIRE(series.status == samara::Termination::converged);
   CHECK(series.joined);
   CHECK(series.spans == 10);
   REQUIRE(series.instants.size() == 12);
@@ -175,7 +175,7 @@ TEST_CASE(
 
 TEST_CASE("a coefficient that does not change is a straight line within its errors, and the series says so") {
   const CoefficientSeries series = series_of(fluttering(0.0, 6), {.coefficients = {"C_R"}, .span = 0.8});
-  REQUIRE(series.status == FitStatus::converged);
+  REQUIRE(series.status == samara::Termination::converged);
   CHECK(misses(series, 0.0) == 0);
   // A straight line has two free values; the smoothest factors bring little more.
   CHECK(series.effective < 4.0);
@@ -196,7 +196,7 @@ TEST_CASE("noise levels that are estimated choose the smoothness that known ones
   const auto height = GENERATE(0.6, 0.0);
   const CoefficientSeries series = series_by(estimated, height);
   INFO(series.message);
-  REQUIRE(series.status == FitStatus::converged);
+  REQUIRE(series.status == samara::Termination::converged);
   CHECK(misses(series, height) == 0);
   REQUIRE(series.fit.noise.size() == 3);
   // Of 120 values a level is known to 1/sqrt(240).
@@ -215,7 +215,7 @@ TEST_CASE("spans that slide recover the coefficient too, with start states of th
   const CoefficientSeries series =
       series_of(fluttering(0.6, 7), {.coefficients = {"C_R"}, .span = 1.6, .stride = 0.8});
   INFO(series.message);
-  REQUIRE(series.status == FitStatus::converged);
+  REQUIRE(series.status == samara::Termination::converged);
   CHECK_FALSE(series.joined);
   CHECK(series.spans == 9);
   CHECK(series.fit.captures.size() == 9);
@@ -257,7 +257,7 @@ TEST_CASE("a replay has what is known of the capture, and what is its own where 
     known.unknowns.known = {{"mu1", "friction"}};
     capture.labels["friction"] = "0.2";
     const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, known, given);
-    REQUIRE(series.status == FitStatus::converged);
+    REQUIRE(series.status == samara::Termination::converged);
     REQUIRE(series.replay.contains("mu1"));
     CHECK(series.replay.at("mu1") == 0.2);
     CHECK(series.replay_units.at("mu1") == "1");
@@ -267,7 +267,7 @@ TEST_CASE("a replay has what is known of the capture, and what is its own where 
   options.compared.averaged_frames = 3;
   const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, options, given);
   INFO(series.message);
-  REQUIRE(series.status != FitStatus::failed);
+  REQUIRE(series.status != samara::Termination::failed);
   CHECK(series.replay.contains("mu1"));
   // The state is half a mean before the first frame.
   CHECK_FALSE(series.replay.contains("theta(0)"));

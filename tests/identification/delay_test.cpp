@@ -70,7 +70,7 @@ TEST_CASE("delays of captures are found, where the release is known") {
     const std::vector captures = {late_capture("a", 0.013), late_capture("b", 0.071),
                                   late_capture("c", 0.0042)};
     const FitResult result = fit(family, captures, released(0.0, 0.1));
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(shared_of(result, "k").value, WithinAbs(kBrake, 1e-6));
     CHECK_THAT(own_of(result, 0, "delay").value, WithinAbs(0.013, 1e-6));
     CHECK_THAT(own_of(result, 1, "delay").value, WithinAbs(0.071, 1e-6));
@@ -82,7 +82,7 @@ TEST_CASE("delays of captures are found, where the release is known") {
     options.unknowns.shared = {"delay"};
     const std::vector captures = {late_capture("a", -0.11, 0.3), late_capture("b", -0.11, 0.4)};
     const FitResult result = fit(family, captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(shared_of(result, "delay").value, WithinAbs(-0.11, 1e-6));
     CHECK_THAT(shared_of(result, "k").value, WithinAbs(kBrake, 1e-6));
     CHECK(shared_of(result, "delay").lower == -0.2);
@@ -93,7 +93,7 @@ TEST_CASE("delays of captures are found, where the release is known") {
     options.compared.averaged_frames = 5;
     const std::vector captures = {late_capture("a", 0.013, 0.0, 5), late_capture("b", 0.071, 0.0, 5)};
     const FitResult result = fit(family, captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(own_of(result, 0, "delay").value, WithinAbs(0.013, 1e-6));
     CHECK_THAT(own_of(result, 1, "delay").value, WithinAbs(0.071, 1e-6));
   }
@@ -103,7 +103,7 @@ TEST_CASE("delays of captures are found, where the release is known") {
     std::vector captures = {late_capture("a", 0.013), late_capture("b", 0.071)};
     captures[1].channels[0].values *= 1.07;
     const FitResult result = fit(family, captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(own_of(result, 1, "delay").value, WithinAbs(0.071, 1e-5));
     CHECK_THAT(own_of(result, 1, "scale").value, WithinAbs(1.07, 1e-5));
   }
@@ -150,7 +150,7 @@ TEST_CASE("delays of captures are found by places and attitudes in space") {
   options.measurement.delay = samara::models::Interval{0.0, 0.012};
   options.starts.count = 1;
   const FitResult result = fit(*family, captures, options);
-  REQUIRE(result.status == FitStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
   CHECK_THAT(shared_of(result, "C_R").value, WithinAbs(1.2, 1e-5));
   CHECK_THAT(own_of(result, 0, "delay").value, WithinAbs(0.0031, 1e-7));
   CHECK_THAT(own_of(result, 1, "delay").value, WithinAbs(0.0087, 1e-7));
@@ -203,7 +203,7 @@ TEST_CASE("segments of a motion join with a delay, which shifts frames and not t
                                               .deviation = 1e-4};
     options.measurement.delay = samara::models::Interval{0.0, 0.3};
     const FitResult result = fit(*family, std::vector{capture}, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     REQUIRE(result.join_defect.has_value());
     CHECK(*result.join_defect < 0.01);
     CHECK_THAT(own_of(result, 0, "delay").value, WithinAbs(kLate, 1e-4));
@@ -234,7 +234,7 @@ TEST_CASE("a delay that another start makes up for is said not to be determined"
   SECTION("of all captures") {
     options.unknowns.shared = {"delay"};
     const FitResult result = fit(BrakedFamily(), captures, options);
-    CHECK(result.status == FitStatus::not_determined);
+    CHECK(result.status == samara::Termination::not_determined);
     CHECK(result.warnings.has(WarningKind::undetermined, "the captures do not determine delay"));
   }
 }
@@ -254,7 +254,7 @@ TEST_CASE("errors of delays and of coefficients beside them hold the truth as of
       add_noise(captures.back(), 1e-3, random);
     }
     const FitResult result = fit(BrakedFamily(), captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     const Coefficient& k = shared_of(result, "k");
     held_k += std::abs(k.value - kBrake) < 1.96 * k.naive_standard_error.value() ? 1 : 0;
     for (std::size_t c = 0; c < 4; ++c) {

@@ -77,7 +77,7 @@ TEST_CASE("a design counts an attitude by the turn about each axis") {
   constexpr int kFrames = 21;
   const FitOptions setup{.compared = {.outputs = {"qw", "qx", "qy", "qz"}},
                          .unknowns = {.shared = {"w"}, .per_capture = {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}}};
-  FitResult fitted{.status = FitStatus::converged, .message = "converged", .model = "spin"};
+  FitResult fitted{.status = samara::Termination::converged, .message = "converged", .model = "spin"};
   fitted.setup = setup;
   fitted.coefficients = {{"w", "rad/s", 5.0, 0.1, 20.0, {}, kSpinError}};
   fitted.residuals = {{"attitude", "rad", kTurnNoise}};

@@ -66,7 +66,7 @@ constexpr double kA = 2.0, kDecay = 0.8, kSigma = 0.01;
 
 /// As if A and k, or k alone, had been fitted, with s known to be 1 in all captures.
 FitResult decay_fit(const std::vector<double>& errors, double unit = 1.0) {
-  FitResult fitted{.status = FitStatus::converged, .message = "converged", .model = "decay"};
+  FitResult fitted{.status = samara::Termination::converged, .message = "converged", .model = "decay"};
   const bool both = errors.size() == 2;
   if (both) fitted.coefficients.push_back({"A", "1", kA, 0.1, 10.0, {}, errors[0]});
   fitted.coefficients.push_back(

@@ -74,7 +74,7 @@ TEST_CASE("what the family holds may be fixed again at the same value only") {
   const std::vector captures = {coin_capture("a", 1.0, 0.0, 0.0)};
   FitOptions options;
   options.unknowns.fixed = {{"thickness", 2.55e-3}};
-  CHECK(fit(*family, captures, options).status == FitStatus::converged);
+  CHECK(fit(*family, captures, options).status == samara::Termination::converged);
   options.unknowns.fixed = {{"thickness", 2.6e-3}};
   CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(*family, captures, options); }),
              Contains("holds it at 0.00255"));
@@ -111,7 +111,7 @@ TEST_CASE("outputs that are no lengths need a loss scale") {
   options.loss.kind = LossKind::none;
   CHECK(fit(*family, captures, options).captures[0].nuisances.size() == 1);  // no offset of v
   options.loss = {.kind = LossKind::huber, .scales = {{"v", 0.01}}};
-  CHECK(fit(*family, captures, options).status == FitStatus::converged);
+  CHECK(fit(*family, captures, options).status == samara::Termination::converged);
 }
 
 TEST_CASE("captures must have enough frames, within the times of the family") {

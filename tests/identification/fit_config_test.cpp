@@ -179,7 +179,28 @@ TEST_CASE("options of segments and priors outside their meaning are refused with
   CHECK_THAT(config_error("[priors]\nC_D = { mean = -1, deviation = 1, logarithmic = true }\n"),
              Contains("more than 0"));
   CHECK_THAT(config_error("[periods]\nx = -1\n"), StartsWith("fit.toml:2: "));
+  CHECK_THAT(config_error("[periods]\nx = 1e-300\n"),
+             StartsWith("fit.toml:2: [periods] x: has the number 1e-300, expected at least 1e-60"));
+  CHECK_THAT(
+      config_error("segments = { length = \"1 s\", stages = [1, 1e300] }\n"),
+      StartsWith("fit.toml:1: [segments] stages: element 1: has the number 1e+300, expected at most 1e+60"));
   CHECK_THAT(config_error("[known]\nthicknes = \"t\"\n"), Contains("thickness"));
+}
+
+TEST_CASE(
+    "periods and weights of segments beyond what can be calculated with are refused in a program, too") {
+  FitOptions options;
+  for (const double period : {0.0, 0.01, 1e-60, 1e60}) {
+    options.compared.periods = {{"x", period}};
+    CHECK_NOTHROW(validate(options));
+  }
+  for (const double period : {-1.0, 1e-300, 1e300}) {
+    options.compared.periods = {{"x", period}};
+    CHECK_THROWS_WITH(validate(options), Contains("the period of \"x\" is"));
+  }
+  options.compared.periods = {};
+  options.segments.stages = {1.0, 1e300};
+  CHECK_THROWS_WITH(validate(options), Contains("segments.stages is 1e+300; 1e-60 to 1e+60 was expected"));
 }
 
 TEST_CASE("a config says where a delay lies, and what is known of it") {

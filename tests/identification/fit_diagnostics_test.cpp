@@ -142,7 +142,7 @@ TEST_CASE("two coefficients that act as a sum are named as one, whatever their p
   options.loss.kind = LossKind::none;
   options.uncertainty.profiles = true;
   const FitResult result = fit(SumFamily(), lines(3), options);
-  CHECK(result.status == FitStatus::not_determined);
+  CHECK(result.status == samara::Termination::not_determined);
   REQUIRE(result.identifiability);
   REQUIRE(result.identifiability->phrases.size() == 1);
   CHECK(result.identifiability->phrases[0] == "a and b only as a sum");

@@ -32,7 +32,7 @@ TEST_CASE("a fit without noise recovers the truth") {
     options.loss.kind = kind;
     const FitResult result = fit(*family, captures, options);
     INFO(result.message);
-    CHECK(result.status == FitStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     REQUIRE(result.coefficients.size() == 1);
     CHECK(result.coefficients[0].name == "C_D");
     CHECK_THAT(result.coefficients[0].value, WithinRel(kC_D, 1e-6));
@@ -67,7 +67,7 @@ TEST_CASE("coordinates take the roles they are given") {
   SECTION("a parameter of each capture's own") {
     options.unknowns.per_capture = {"C_D"};
     const FitResult result = fit(*family, captures, options);
-    CHECK(result.status == FitStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK(result.coefficients.empty());
     REQUIRE(result.captures[2].nuisances.size() == 3);
     for (const CaptureFit& capture : result.captures)
@@ -93,7 +93,7 @@ TEST_CASE("coordinates take the roles they are given") {
     options.unknowns.shared = {"v(0)"};
     options.unknowns.offsets = std::vector<std::string>{};
     const FitResult result = fit(*family, std::vector{coin_capture("a", kC_D, 0.1, 0.0)}, options);
-    CHECK(result.status == FitStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK_THAT(result.coefficients[0].value, WithinRel(kC_D, 1e-6));
     CHECK(result.captures[0].nuisances.empty());
   }

@@ -35,7 +35,7 @@ TEST_CASE("coefficients are read from the JSON of a fit to the last bit") {
   result.captures[0].file = "coins.csv";
   result.noise = {{.outputs = {"x"}, .unit = "m", .value = 4e-4, .estimated = true}};
   const FitResult read = read_fit(files.put("fit.json", fit_json(result)));
-  CHECK(read.status == FitStatus::converged);
+  CHECK(read.status == samara::Termination::converged);
   CHECK(read.model == "vertical_fall");
   REQUIRE(read.coefficients.size() == 1);
   CHECK(read.coefficients[0].name == "C_D");
@@ -53,6 +53,20 @@ TEST_CASE("coefficients are read from the JSON of a fit to the last bit") {
   CHECK_THAT(error_of<samara::InputError>(
                  [&] { read_fit(files.put("other.json", "{\"schema\": \"samara-series/1\"}")); }),
              Contains("its schema is \"samara-series/1\""));
+}
+
+TEST_CASE("the status is read from the JSON of a fit, also in the words of older files") {
+  const TestFiles files;
+  nlohmann::json json = nlohmann::json::parse(fit_json(example()));
+  const auto status_of = [&](const char* word) {
+    json["status"] = word;
+    return read_fit(files.put("fit.json", json.dump())).status;
+  };
+  CHECK(status_of("not_determined") == samara::Termination::not_determined);
+  CHECK(status_of("max_iterations") == samara::Termination::max_iterations);
+  CHECK(status_of("failed") == samara::Termination::failed);
+  CHECK(status_of("not determined") == samara::Termination::not_determined);
+  CHECK(status_of("iteration limit") == samara::Termination::max_iterations);
 }
 
 TEST_CASE("how captures were seen is read from the JSON of a fit, or told from its captures") {

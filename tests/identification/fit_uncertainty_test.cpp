@@ -52,7 +52,7 @@ Pulls pulls(const Noise& noise, const LossOptions& loss) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     const FitResult result = fit(family, braked_captures(kCaptures, noise, random), options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     const Coefficient& k = result.coefficients[0];
     sum.clustered += std::pow((k.value - kTruth) / k.standard_error.value(), 2);
     sum.naive += std::pow((k.value - kTruth) / k.naive_standard_error.value(), 2);
@@ -123,7 +123,7 @@ TEST_CASE("naive errors of a plain fit are those of linear least squares") {
   options.loss.kind = LossKind::none;
   options.unknowns.fixed = {{"k", kTruth}};
   const FitResult result = fit(family, captures, options);
-  REQUIRE(result.status == FitStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
 
   Eigen::MatrixXd J(20, 2);
   J.col(0) = BrakedFamily::depths(kTruth, 1.0, even_times(20, 1.5));
@@ -146,7 +146,7 @@ TEST_CASE("eliminating the captures' own unknowns leaves the errors of the whole
   FitOptions options;
   options.loss.kind = LossKind::none;
   const FitResult result = fit(family, captures, options);
-  REQUIRE(result.status == FitStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
 
   // All unknowns at once: k, then v(0) and offset of each capture.
   const std::vector<double> times = even_times(20, 1.5);

@@ -96,7 +96,7 @@ TEST_CASE("coefficients that the captures cannot tell apart are named") {
       reference_trajectories(samara::models::find_model("vertical_fall"), fixed,
                              {{"C_D", {0.6, 2.0}}, {"area", {3e-4, 6e-4}}, {"v(0)", {-0.4, 0.8}}});
   const FitResult result = fit(*family, coins(1.15));
-  CHECK(result.status == FitStatus::not_determined);
+  CHECK(result.status == samara::Termination::not_determined);
   CHECK_FALSE(result.is_usable());
   CHECK_THAT(result.message, Contains("do not determine all coefficients"));
   CHECK_THAT(text_of(result.warnings), Contains("the captures do not determine area: it can change"));
@@ -113,7 +113,7 @@ TEST_CASE("coefficients that the captures cannot tell apart are named") {
         reference_trajectories(samara::models::find_model("vertical_fall"), fixed,
                                {{"C_D", {0.6, 2.0}}, {"thickness", {2e-3, 3e-3}}, {"v(0)", {-0.4, 0.8}}});
     const FitResult both = fit(*ratio, coins(1.15));
-    CHECK(both.status == FitStatus::not_determined);
+    CHECK(both.status == samara::Termination::not_determined);
     CHECK_THAT(text_of(both.warnings), Contains("do not determine C_D, thickness: they can change together"));
     CHECK_FALSE(both.coefficients[0].standard_error);
   }
@@ -163,7 +163,7 @@ TEST_CASE("an iteration limit is a status, with the best point so far") {
   FitOptions options;
   options.solver.max_iterations = 1;
   const FitResult result = fit(*coin_family(), coins(1.15), options);
-  CHECK(result.status == FitStatus::iteration_limit);
+  CHECK(result.status == samara::Termination::max_iterations);
   CHECK_THAT(result.message, Contains("did not converge"));
   CHECK(result.coefficients.size() == 1);
 }
@@ -200,7 +200,7 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   const std::vector<double> times = even_times(5, 1.0);
   const std::vector captures = {make_capture("a", times, BrakedFamily::depths(1.0, 1.0, times))};
   const FitResult result = fit(BrokenFamily(false), captures);
-  CHECK(result.status == FitStatus::failed);
+  CHECK(result.status == samara::Termination::failed);
   CHECK_THAT(result.message, Contains("none of 3 starts succeeded"));
   CHECK(result.coefficients.empty());
   // What is wrong with the capture may be why.
@@ -219,7 +219,7 @@ TEST_CASE(
   for (const bool fails : {false, true}) {
     const FitResult result =
         fails ? fit(BrokenFamily(false), captures, options) : fit(BrakedFamily(), captures, options);
-    CHECK((result.status == FitStatus::failed) == fails);
+    CHECK((result.status == samara::Termination::failed) == fails);
     CHECK_THAT(text_of(result.warnings),
                Contains("capture \"a\": x never changes over 10 frames; likewise 1 more: \"b\""));
     CHECK_THAT(text_of(result.warnings), !Contains("a note"));

@@ -368,7 +368,7 @@ TEST_CASE("a follower does not allocate from frame to frame") {
 
 TEST_CASE("a delay or a gain that a fit holds is refused, but for one that changes nothing") {
   const auto model = models::find_model("vertical_fall");
-  FitResult fitted{.status = FitStatus::converged, .model = "vertical_fall"};
+  FitResult fitted{.status = Termination::converged, .model = "vertical_fall"};
   fitted.setup.compared.outputs = {"x"};
   fitted.noise = {{.outputs = {"x"}, .unit = "m", .value = 1e-3}};
   Capture capture{.id = "drop", .file = {}, .labels = {{"late", "0.02"}}, .times = {}, .channels = {}};
@@ -419,4 +419,11 @@ TEST_CASE("a name that is no UTF-8 does not keep the JSON of a followed motion f
   FollowReport report;
   report.motion.capture = "not \xff utf-8";
   CHECK_THAT(follow_json(report), Catch::Contains("\"capture\":\"not \xef\xbf\xbd utf-8\""));
+}
+
+TEST_CASE("warnings of a followed motion are told once each, and stand in its JSON as sentences") {
+  FollowReport report;
+  CHECK(report.warnings.add(WarningKind::source, "the camera is not known"));
+  CHECK_FALSE(report.warnings.add(WarningKind::source, "the camera is not known"));
+  CHECK_THAT(follow_json(report), Catch::Contains("\"warnings\":[\"the camera is not known\"]"));
 }

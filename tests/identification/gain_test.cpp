@@ -76,7 +76,7 @@ TEST_CASE("gains of a sensor that shows angles on one turn are found") {
   SECTION("of each capture its own") {
     const std::vector captures = {spun_capture("a", 1.03, 0.0, 0.4), spun_capture("b", 0.97, 0.0, -0.2)};
     const FitResult result = fit(family, captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(own_of(result, 0, "gain of theta").value, WithinAbs(1.03, 1e-9));
     CHECK_THAT(own_of(result, 1, "gain of theta").value, WithinAbs(0.97, 1e-9));
     CHECK_THAT(own_of(result, 1, "theta(0)").value, WithinAbs(-0.2, 1e-8));
@@ -88,7 +88,7 @@ TEST_CASE("gains of a sensor that shows angles on one turn are found") {
     options.unknowns.offsets = {"theta"};
     const std::vector captures = {spun_capture("a", 1.03, 0.2, 0.4), spun_capture("b", 1.03, -0.1, 0.4)};
     const FitResult result = fit(family, captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(shared_of(result, "gain of theta").value, WithinAbs(1.03, 1e-9));
     CHECK_THAT(own_of(result, 0, "offset of theta").value, WithinAbs(0.2, 1e-8));
     CHECK_THAT(own_of(result, 1, "offset of theta").value, WithinAbs(-0.1, 1e-8));
@@ -100,7 +100,7 @@ TEST_CASE("gains of a sensor that shows angles on one turn are found") {
     for (Eigen::Index k = 0; k < 31; ++k)
       capture.channels[0].values[k] = 1.03 * SpunFamily::angle(1.3, 0.4, capture.times[k] + 0.07);
     const FitResult result = fit(family, std::vector{capture}, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(own_of(result, 0, "gain of theta").value, WithinAbs(1.03, 1e-8));
     CHECK_THAT(own_of(result, 0, "delay").value, WithinAbs(0.07, 1e-8));
   }
@@ -156,7 +156,7 @@ TEST_CASE("errors of gains hold the truth as often as they say") {
     std::mt19937_64 random(static_cast<std::uint64_t>(10000 + seed));
     options.priors.coordinates["c"].mean = std::normal_distribution<double>(1.3, 0.01)(random);
     const FitResult result = fit(SpunFamily(), captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     const Coefficient& gain = shared_of(result, "gain of theta");
     held += std::abs(gain.value - 1.03) < 1.96 * gain.naive_standard_error.value() ? 1 : 0;
   }
@@ -214,7 +214,7 @@ TEST_CASE("gains go through cameras that turn, and through joins of segments") {
   }
   SECTION("and are found") {
     const FitResult result = fit(*family, captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK_THAT(own_of(result, 0, "gain of theta").value, WithinAbs(1.05, 1e-4));
     CHECK_THAT(own_of(result, 0, "gain of x").value, WithinAbs(0.9, 1e-4));
     CHECK_THAT(own_of(result, 0, "offset of x").value, WithinAbs(0.5, 1e-3));

@@ -90,7 +90,7 @@ TEST_CASE("two outputs have their noise levels found, with every loss") {
   for (const LossKind loss : {LossKind::none, LossKind::huber, LossKind::soft_l1, LossKind::cauchy}) {
     INFO(to_string(loss));
     const FitResult result = fit(BrakedWithRate(), captures, estimated(loss));
-    CHECK(result.status == FitStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     REQUIRE(result.noise.size() == 2);
     CHECK(result.noise[0].outputs == std::vector<std::string>{"x"});
     CHECK(result.noise[1].unit == "m/s");
@@ -195,7 +195,7 @@ TEST_CASE("an output that is met exactly, or has too few frames, is said to have
   const std::vector exact = {make_capture("exact", times, BrakedFamily::depths(kRate, 1.0, times))};
   options = estimated(LossKind::none);
   const FitResult none = fit(BrakedFamily(), exact, options);
-  CHECK(none.status == FitStatus::converged);
+  CHECK(none.status == samara::Termination::converged);
   CHECK_THAT(text_of(none.warnings), Contains("the model meets x exactly"));
   CHECK_FALSE(none.noise[0].estimated);
 }

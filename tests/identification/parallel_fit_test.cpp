@@ -129,7 +129,7 @@ TEST_CASE("starts and profiles of joined segments have the same bits on any numb
   JoinedPlate plate;
   plate.options.uncertainty.profiles = true;
   const auto results = with_threads(*plate.family, plate.captures, plate.options);
-  CHECK(results[0].status == FitStatus::converged);
+  CHECK(results[0].status == samara::Termination::converged);
   check_same_bits(results[0], results[1]);
 }
 
@@ -141,8 +141,8 @@ TEST_CASE("joins are weighed by the noise that was found, also where the first s
   plate.options.noise.estimated = true;
   const FitResult whole = fit(*plate.family, plate.captures, plate.options);
   const FitResult without_first = fit(FailingAt(*plate.family, 1.4321), plate.captures, plate.options);
-  REQUIRE(without_first.starts.front().status == FitStatus::failed);
-  REQUIRE(without_first.status == FitStatus::converged);
+  REQUIRE(without_first.starts.front().status == samara::Termination::failed);
+  REQUIRE(without_first.status == samara::Termination::converged);
   CHECK_THAT(without_first.join_defect.value(), Catch::Matchers::WithinRel(whole.join_defect.value(), 0.1));
   for (std::size_t k = 0; k < whole.coefficients.size(); ++k)
     CHECK_THAT(without_first.coefficients[k].naive_standard_error.value(),
@@ -165,7 +165,7 @@ TEST_CASE("starts, profiles and replicates of many captures have the same bits o
   options.uncertainty.profiles = true;
   options.uncertainty.bootstrap.replicates = 20;
   const auto results = with_threads(BrakedFamily(), captures, options);
-  CHECK(results[0].status == FitStatus::converged);
+  CHECK(results[0].status == samara::Termination::converged);
   check_same_bits(results[0], results[1]);
   CHECK(results[0].bootstrap->coefficients == results[1].bootstrap->coefficients);
 }
@@ -191,7 +191,7 @@ TEST_CASE("a profile point is looked for in more valleys than its neighbour's") 
   FitPoint start = neighbour;
   start.shared[0] = 3.0;
   const MinimizeResult alone = minimize(held, residuals, start, 100);
-  REQUIRE(alone.status == FitStatus::converged);
+  REQUIRE(alone.status == samara::Termination::converged);
   CHECK(alone.cost > 1.0);  // the valley at s = a
 
   HeldFits fits(family, problem, residuals, best, 0, 100);

@@ -235,7 +235,27 @@ TEST_CASE("what a PEtab problem says and a fit does not know is refused with its
   CHECK_THAT(with(&DecayProblem::parameters, head + "rate\tlin\t5\t0.1\t1\t1\n"), Contains("lower < upper"));
   CHECK_THAT(with(&DecayProblem::parameters, head + "rate\tlin\t0.1\t5\t\t0\n"), Contains("no nominalValue"));
   CHECK_THAT(with(&DecayProblem::parameters, head + "rate\tlin\t0.1\t5\t1\tyes\n"), Contains("0 or 1"));
+  for (const char* row : {"rate\tlin\t0.1\t1e300\t1\t1\n", "rate\tlin\t1e-300\t5\t1\t1\n"})
+    CHECK_THAT(
+        with(&DecayProblem::parameters, head + row),
+        Contains("parameters.tsv:2") && Contains("a number of 1e-60 to 1e+60 in size, or 0, was expected"));
+  const std::string prior =
+      "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\tobjectivePriorType\t"
+      "objectivePriorParameters\nrate\tlog10\t0.1\t5\t1\t1\tparameterScaleNormal\t";
+  CHECK_THAT(with(&DecayProblem::parameters, prior + "1e300;1\n"),
+             Contains("one of objectivePriorParameters"));
+  CHECK_THAT(with(&DecayProblem::parameters, prior + "1000;1\n"),
+             Contains("the median of the prior is exp(2302.59); exp(-138) to exp(138) was expected"));
+  CHECK_THAT(with(&DecayProblem::conditions, "conditionId\tv\nslow\t2\nfast\t1e300\n"),
+             Contains("conditions.tsv:3") && Contains("v(0) is 1e+300"));
+  const std::string seen = "observableId\tsimulationConditionId\tmeasurement\ttime\n";
+  CHECK_THAT(with(&DecayProblem::measurements, seen + "speed\tslow\t1e300\t1\n"),
+             Contains("measurements.tsv:2") && Contains("the measurement is 1e+300"));
+  CHECK_THAT(with(&DecayProblem::measurements, seen + "speed\tslow\t1\t1e300\n"),
+             Contains("the time is 1e+300; 0 to 1e+60 was expected"));
   const std::string observed = "observableId\tobservableFormula\tnoiseFormula\n";
+  CHECK_THAT(with(&DecayProblem::observables, observed + "speed\tv\t1e300\n"),
+             Contains("the noise of \"speed\" is 1e+300"));
   CHECK_THAT(with(&DecayProblem::observables, observed + "speed\t2*v\t0.1\n"),
              Contains("observables.tsv:2") && Contains("one output"));
   CHECK_THAT(with(&DecayProblem::observables, observed + "speed\tv\t0.1*v\n"),

@@ -46,7 +46,7 @@ TEST_CASE("attitudes and rates are predicted, too, and by the rates measured") {
     return capture;
   };
   FitResult fitted = fit(*family, std::vector{measured("a", 2.0), measured("b", 3.0)}, options);
-  REQUIRE(fitted.status == FitStatus::converged);
+  REQUIRE(fitted.status == samara::Termination::converged);
   const std::vector left_out = {measured("c", 2.5), measured("d", 1.5)};
   add_predictions(*family, left_out, options, {.span = 0.15, .ahead = 0.1}, fitted);
   const auto& scores = fitted.predictions;

@@ -404,3 +404,30 @@ TEST_CASE("the weight of a point is what buoyancy leaves of it, where both densi
   blimp.mutable_info().fixed.erase("displaced_mass");
   CHECK(net_weight(blimp, {}) == kStandardG);
 }
+
+TEST_CASE("a baseline that is silent where it is hard is not the best, and is compared where it speaks") {
+  // x = t^3, of which four frames are seen: the cubic goes on to 64, the quadratic to 53.5, the straight line to 31.
+  // Of the hard capture only three are, too few for the cubic.
+  const auto capture = [](const std::string& motion, const Eigen::VectorXd& times, double end, double model) {
+    CapturePrediction one{.motion = motion};
+    one.seen.times = times;
+    one.seen.positions = times.array().cube().matrix();
+    if (motion == "hard") one.seen.positions.setZero();
+    one.times = Eigen::VectorXd::Constant(1, 4.0);
+    one.truth = Eigen::MatrixXd::Constant(1, 1, end);
+    one.model = Eigen::MatrixXd::Constant(1, 1, model);
+    return one;
+  };
+  const Eigen::VectorXd four = Eigen::VectorXd::LinSpaced(4, 0.0, 3.0);
+  std::vector<CapturePrediction> predictions = {capture("a", four, 64.0, 65.0),
+                                                capture("b", four, 64.0, 63.0),
+                                                capture("hard", four.head(3), 100.0, 90.0)};
+  for (std::size_t k = 0; k < predictions.size(); ++k) predictions[k].cluster = static_cast<int>(k);
+  const std::vector<PredictionScore> scores =
+      scores_of({{.name = "x", .unit = "m", .columns = {0}}}, predictions, {.span = 3.0, .ahead = 1.0}).all;
+  const std::string ahead = "x, 1 s ahead";
+  CHECK(of(scores, "cubic", ahead).count == 2);
+  CHECK(of(scores, "model", ahead).behind_best == Approx(1.0 - 10.5));
+  CHECK(of(scores, "cubic", ahead).behind_best == Approx(-10.5));
+  CHECK(of(scores, "quadratic", ahead).behind_best == Approx(0.0).margin(1e-9));
+}

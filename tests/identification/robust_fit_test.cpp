@@ -22,7 +22,7 @@ TEST_CASE("robust losses resist outliers that ruin the plain fit") {
     options.loss.length_scale = 1e-3;
     const FitResult result = fit(*family, captures, options);
     INFO(to_string(kind) << ": " << result.message);
-    CHECK(result.status == FitStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     return std::abs(result.coefficients[0].value - kC_D);
   };
   const double plain = error(LossKind::none);

@@ -66,7 +66,7 @@ TEST_CASE("a descent ends within a hundredth of a standard error of the minimum,
     options.starts.count = 3;
     options.solver.max_iterations = 25;
     const FitResult result = fit(BrakedFamily(), captures, options);
-    REQUIRE(result.status == FitStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK(result.starts_at_best == 3);
     const Coefficient& k = result.coefficients[0];
     CHECK_THAT(k.value, WithinAbs(best_k(captures), 0.01 * k.naive_standard_error.value()));
@@ -82,7 +82,7 @@ TEST_CASE("outliers do not keep a descent from ending") {
     INFO(to_string(kind));
     options.loss = {.kind = kind, .length_scale = 0.01};
     const FitResult first = fit(BrakedFamily(), captures, options);
-    REQUIRE(first.status == FitStatus::converged);
+    REQUIRE(first.status == samara::Termination::converged);
     if (kind == LossKind::cauchy) continue;  // which has other optima
     // From where it ended there is nowhere to go.
     FitOptions again = options;

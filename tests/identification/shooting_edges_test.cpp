@@ -128,7 +128,7 @@ TEST_CASE("segments are refused if each would begin at the same place") {
   CHECK_THROWS_WITH(fit(*placed_coin_family(), captures, options), Contains("a box for \"x(0)\""));
   // One segment has nothing to join.
   options.segments.length = 1.0;
-  CHECK(fit(*placed_coin_family(), captures, options).status == FitStatus::converged);
+  CHECK(fit(*placed_coin_family(), captures, options).status == samara::Termination::converged);
 }
 
 TEST_CASE("offsets of segments join from the start that is known of the capture") {
@@ -228,7 +228,7 @@ TEST_CASE("an attitude that is free in part is fitted, but not cut into segments
   const std::vector captures = {body_capture(20)};
   const FitResult result = fit(*family, captures, options);
   INFO(result.message);
-  REQUIRE(result.status == FitStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
   CHECK_THAT(result.coefficients.at(0).value, WithinRel(1.2, 1e-3));  // steps of 2 ms
   CHECK_THAT(nuisance(result, 0, "qx(0)").value, WithinAbs(0.0, 1e-3));
   CHECK_THROWS_WITH(fit(*family, captures, in_segments(0.15)),
@@ -240,7 +240,7 @@ TEST_CASE("a body whose attitude is free is fitted without segments") {
   options.starts.count = 1;
   const FitResult result = fit(*body_family(), std::vector{body_capture(20)}, options);
   INFO(result.message);
-  REQUIRE(result.status == FitStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
   CHECK_THAT(result.coefficients.at(0).value, WithinRel(1.2, 1e-3));  // steps of 2 ms
 }
 
@@ -270,7 +270,7 @@ TEST_CASE("means of frames end with the family where rounding puts their last ju
   family.endless.mutable_info().end_time = 1.1 - 1e-9;
   FitOptions options;
   options.compared.averaged_frames = 3;
-  CHECK(fit(family, std::vector{capture}, options).status == FitStatus::converged);
+  CHECK(fit(family, std::vector{capture}, options).status == samara::Termination::converged);
 }
 
 TEST_CASE("a round that leads nowhere costs iterations too, and is the last one") {

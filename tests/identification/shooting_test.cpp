@@ -103,7 +103,7 @@ TEST_CASE("a tumbling plate gives its coefficients back from a start 30 percent 
   options.starts.initial = {{"C_T", 0.84}, {"C_R", 4.1}, {"A", 1.82}, {"mu1", 0.14}};
   const FitResult result = fit(*tumbling_plates(), std::vector{tumbling(kNoise, 7)}, options);
   INFO(result.message);
-  CHECK(result.status == FitStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(result.captures.at(0).segments == 6);
   CHECK(result.join_defect.value() < 0.01);
   for (const Coefficient& c : result.coefficients) {
@@ -118,7 +118,7 @@ TEST_CASE("a tumbling plate gives its coefficients back from a start 30 percent 
 
 TEST_CASE("without noise the coefficients are exact to the error of the steps") {
   const FitResult result = fit(*tumbling_plates(), std::vector{tumbling(0.0, 1)}, plate_options());
-  CHECK(result.status == FitStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   // RK4 at h = 0.01 and the penalty of joins.
   for (const Coefficient& c : result.coefficients) CHECK(c.value == Approx(truth().at(c.name)).epsilon(1e-5));
 }
@@ -259,7 +259,7 @@ TEST_CASE("a capture that the model cannot follow is said not to join") {
   Capture capture = tumbling(kNoise, 1);
   for (Channel& channel : capture.channels) channel.values.tail(30) *= 0.3;
   const FitResult result = fit(*tumbling_plates(), std::vector{capture}, plate_options());
-  const bool told = result.status != FitStatus::converged ||
+  const bool told = result.status != samara::Termination::converged ||
                     result.warnings.has(WarningKind::model, "misses") ||
                     result.warnings.has(WarningKind::segments, "do not join");
   CHECK(told);

@@ -54,13 +54,13 @@ bool warns(const FitResult& result) {
 
 TEST_CASE("steps that are too long are warned of, with the shift that shorter ones bring") {
   const FitResult fine = fit_with(2e-3, 2.0);
-  REQUIRE(fine.status == FitStatus::converged);
+  REQUIRE(fine.status == samara::Termination::converged);
   CHECK(fine.integration_shift.value() < 1e-3);
   CHECK_FALSE(warns(fine));
 
   for (const double segment : {2.0, 8.0}) {  // joined segments, and one alone
     const FitResult coarse = fit_with(0.5, segment);
-    REQUIRE(coarse.status == FitStatus::converged);
+    REQUIRE(coarse.status == samara::Termination::converged);
     CHECK(coarse.integration_shift.value() > 0.1);
     CHECK(warns(coarse));
     for (std::size_t k = 0; k < coarse.coefficients.size(); ++k) {

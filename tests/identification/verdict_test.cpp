@@ -100,7 +100,7 @@ TEST_CASE("what has not converged, or had one start, is said not to be known pla
   options.starts.initial["p"] = 2.0;
   options.solver.max_iterations = 1;
   const FitResult stopped = fit(TwoValleys(0.2), captures, options);
-  REQUIRE(stopped.status == FitStatus::iteration_limit);
+  REQUIRE(stopped.status == samara::Termination::max_iterations);
   CHECK_THAT(verdict(stopped, stopped.coefficients[0]),
              Contains("not converged, stopped at") && !Contains("+-"));
   options.solver.max_iterations = 100;

@@ -170,6 +170,18 @@ TEST_CASE("numbers that are not finite are refused") {
   }
 }
 
+TEST_CASE("numbers too large or too small to calculate with are refused") {
+  const TomlTable root = TomlTable::parse(
+      "a = 1e300\nb = [1, -1e-300]\nc = '1e70 m'\nd = [1e60, -1e-60, 0, '1e-70 m']\ne = 0.0", "t.toml");
+  CHECK(toml_error([&] { root.number("a"); }) ==
+        "t.toml:1: a: has the number 1e+300, expected at most 1e+60 in size");
+  CHECK(toml_error([&] { root.numbers("b"); }) ==
+        "t.toml:2: b: element 1: has the number -1e-300, expected at least 1e-60 in size, or 0");
+  CHECK_THAT(toml_error([&] { root.quantity("c", "m"); }), Contains("c: has the number 1e+70"));
+  CHECK_THAT(toml_error([&] { root.quantities("d", "m"); }), Contains("d: element 3: has the number 1e-70"));
+  CHECK(root.number("e") == 0.0);
+}
+
 TEST_CASE("a quantity with a wrong unit is refused with its place") {
   const TomlTable fixed = plan().table("fixed");
   CHECK(toml_error([&] { fixed.quantity("thickness", "kg"); }) ==

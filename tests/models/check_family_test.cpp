@@ -243,6 +243,10 @@ TEST_CASE("rows after the end of an integration are NaN, and the outcome says wh
   CHECK_THAT(one.outcome.message, Catch::Contains("more steps than allowed"));
   CHECK(one.values.topRows(2).allFinite());
   CHECK(std::isnan(one.values(2, 0)));
+  const std::vector<double> times = {0.1, 0.2, 0.3};
+  CHECK(rows_reached(one.outcome, times) == 2);
+  CHECK(rows_reached({.status = TrajectoryStatus::outside_box}, times) == 0);
+  CHECK(rows_reached({}, times) == 3);
 }
 
 TEST_CASE("wrong derivatives of a family are found") {

@@ -50,6 +50,12 @@ TEST_CASE("initial values are the default, the fixed or the free ones") {
   CHECK(x0 == std::array{0.5, -3.0});
 }
 
+TEST_CASE("a state starts at the value that is held of its start, else at its default") {
+  const StateInfo state{.name = "theta", .unit = "rad", .default_initial = 0.4};
+  CHECK(held_start(state, {{"theta", 3.0}}) == 0.4);
+  CHECK(held_start(state, {{"theta(0)", -1.0}}) == -1.0);
+}
+
 TEST_CASE("parameters are completed by defaults and the free values") {
   const std::vector<double> p = fall(kBody, {"m_a", "C_D"}).parameters(std::array{0.25, 1.5});
   const double length = 2.0 * std::sqrt(1e-3 / std::numbers::pi);

@@ -245,6 +245,23 @@ TEST_CASE(
   CHECK_FALSE(steady.kind_sequences().back().empty());
 }
 
+TEST_CASE("a database that is cancelled is none, and asked for again it is the same to the bit") {
+  const Sweep sweep = plates(20);
+  const MotionDatabase whole = build_database(sweep);
+  int reports = 0;
+  const DatabaseOptions cancelling{.threads = 1, .progress = [&](const samara::Progress&) {
+                                     ++reports;
+                                     return false;
+                                   }};
+  CHECK(error_text<samara::NoResultError>([&] { build_database(sweep, cancelling); }) ==
+        "cancelled before the motions were cut into segments");
+  CHECK(reports == 1);
+  const MotionDatabase again = build_database(sweep, {.threads = 1});
+  CHECK(again.starts == whole.starts);
+  CHECK(again.ends == whole.ends);
+  CHECK(again.metric_weights == whole.metric_weights);
+}
+
 TEST_CASE("a database comes back from its file, and what is no database is refused") {
   const TemporaryDirectory folder;
   const auto path = folder.path() / "motions.h5";

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -14,6 +15,7 @@
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
+using samara::Termination;
 
 namespace {
 
@@ -147,7 +149,7 @@ TEST_CASE("a function of low rank is recovered exactly from far fewer entries th
       });
       const CrossResult result = function.interpolate({.tolerance = 1e-8});
       CAPTURE(c.sizes, outputs, result.message);
-      CHECK(result.status == CrossStatus::converged);
+      CHECK(result.status == Termination::converged);
       // Round-off of entries of size `largest`, amplified by the coefficients of the maximal volume
       // submatrices, which are at most rank times their bound per mode.
       CHECK(function.fresh_errors(result.train, 2000, 3).maxCoeff() < 1e-11 * result.largest);
@@ -169,7 +171,7 @@ TEST_CASE("smooth functions meet the tolerance at fresh entries") {
       for (std::uint64_t seed = 1; seed <= 10; ++seed) {
         const CrossResult result = function.interpolate({.tolerance = tolerance, .seed = seed});
         CAPTURE(function.sizes(), tolerance, seed, result.message);
-        CHECK(result.status == CrossStatus::converged);
+        CHECK(result.status == Termination::converged);
         CHECK(result.guard_error <= tolerance);
         CHECK(static_cast<double>(result.evaluations) < 0.5 * result.grid_size);
         // The guard has seen 200 entries, these are ten times as many: their largest error may be somewhat
@@ -200,7 +202,7 @@ TEST_CASE("at kinks and narrow peaks the tolerance holds for almost all entries"
       const double tolerance = 1e-4;
       const CrossResult result = function.interpolate({.tolerance = tolerance, .seed = seed});
       CAPTURE(function.sizes(), seed, result.message);
-      if (result.status != CrossStatus::converged) continue;
+      if (result.status != Termination::converged) continue;
       const Eigen::VectorXd errors = function.fresh_errors(result.train, 4000, 50 + seed);
       CHECK(static_cast<double>((errors.array() > tolerance).count()) / 4000.0 < 0.035);
     }
@@ -208,7 +210,7 @@ TEST_CASE("at kinks and narrow peaks the tolerance holds for almost all entries"
   // A kink along a grid line costs nothing: the function is a product.
   Sampled aligned({30, 30}, [](const std::vector<double>& x) { return std::abs(x[0] - 0.5); });
   const CrossResult result = aligned.interpolate({.tolerance = 1e-12});
-  CHECK(result.status == CrossStatus::converged);
+  CHECK(result.status == Termination::converged);
   CHECK(result.train.ranks() == std::vector<int>{1, 1});
   CHECK(aligned.grid_error(result.train) < 1e-14);
 }
@@ -231,7 +233,7 @@ TEST_CASE("constants and zero have rank one and need one sweep") {
     Sampled function({15, 12, 10}, 2,
                      [&](int m, const std::vector<double>&) { return m == 0 ? value : 0.0; });
     const CrossResult result = function.interpolate({.tolerance = 1e-10});
-    CHECK(result.status == CrossStatus::converged);
+    CHECK(result.status == Termination::converged);
     CHECK(result.sweeps == 1);
     CHECK(result.largest == std::abs(value));
     CHECK(result.train.ranks() == std::vector<int>{2, 1, 1});
@@ -242,7 +244,7 @@ TEST_CASE("constants and zero have rank one and need one sweep") {
 TEST_CASE("a function below the tolerance is taken for zero or better") {
   Sampled function({15, 12, 10}, [](const std::vector<double>& x) { return 1e-9 * std::sin(9.0 * sum(x)); });
   const CrossResult result = function.interpolate({.tolerance = 1e-6});
-  CHECK(result.status == CrossStatus::converged);
+  CHECK(result.status == Termination::converged);
   CHECK(function.grid_error(result.train) <= 1e-6);
 }
 
@@ -256,8 +258,8 @@ TEST_CASE("pivots of a similar function save evaluations") {
     const CrossResult cold = changed.interpolate({.tolerance = 1e-7, .seed = seed});
     const CrossResult warm = changed.interpolate({.tolerance = 1e-7, .seed = seed, .start = first.pivots});
     CAPTURE(cold.message, warm.message);
-    REQUIRE(cold.status == CrossStatus::converged);
-    REQUIRE(warm.status == CrossStatus::converged);
+    REQUIRE(cold.status == Termination::converged);
+    REQUIRE(warm.status == Termination::converged);
     CHECK(warm.sweeps < cold.sweeps);
     CHECK(warm.evaluations < cold.evaluations);
     CHECK(changed.fresh_errors(warm.train, 2000, seed).maxCoeff() <= 3e-7);
@@ -277,7 +279,7 @@ TEST_CASE("what the pivots missed is found with the probability that the guard's
     for (int seed = 1; seed <= seeds; ++seed) {
       const CrossResult result = function.interpolate(
           {.tolerance = tolerance, .guard_entries = guard_entries, .seed = static_cast<std::uint64_t>(seed)});
-      if (result.status == CrossStatus::converged && function.grid_error(result.train) > 3.0 * tolerance)
+      if (result.status == Termination::converged && function.grid_error(result.train) > 3.0 * tolerance)
         ++count;
     }
     return count;
@@ -297,7 +299,7 @@ TEST_CASE("a value that is not finite ends the interpolation and is named") {
       return m == 1 && x[0] == node(3, 9) ? bad : sum(x);
     });
     const CrossResult result = function.interpolate({});
-    CHECK(result.status == CrossStatus::not_finite);
+    CHECK(result.status == Termination::not_finite);
     REQUIRE(result.bad_entry.size() == 3);
     CHECK(result.bad_entry[0] == 3);
     CHECK(function.asked().count(result.bad_entry) == 1);
@@ -308,7 +310,7 @@ TEST_CASE("a value that is not finite ends the interpolation and is named") {
     return x[0] > 0.6 && x[1] > 0.6 && x[2] > 0.6 ? std::nan("") : 1.0;
   });
   const CrossResult result = rare.interpolate({});
-  CHECK(result.status == CrossStatus::not_finite);
+  CHECK(result.status == Termination::not_finite);
   CHECK(result.sweeps == 1);
   REQUIRE(result.bad_entry.size() == 3);
   for (const int i : result.bad_entry) CHECK(node(i, 30) > 0.6);
@@ -317,7 +319,7 @@ TEST_CASE("a value that is not finite ends the interpolation and is named") {
 TEST_CASE("limits on sweeps, rank and evaluations end the interpolation with a status") {
   Sampled function = noise({20, 20, 20});
   const CrossResult sweeps = function.interpolate({.tolerance = 1e-3, .max_sweeps = 2});
-  CHECK(sweeps.status == CrossStatus::max_sweeps);
+  CHECK(sweeps.status == Termination::max_iterations);
   CHECK(sweeps.sweeps == 2);
   CHECK(sweeps.guard_error > 1e-3);
   CHECK_THAT(sweeps.message, Contains("after 2 sweeps") && Contains("> 0.001"));
@@ -325,25 +327,25 @@ TEST_CASE("limits on sweeps, rank and evaluations end the interpolation with a s
   CHECK(sweeps.guard_error <= function.grid_error(sweeps.train) * (1.0 + 1e-12));
 
   const CrossResult rank = function.interpolate({.tolerance = 1e-3, .max_rank = 5, .max_sweeps = 4});
-  CHECK(rank.status == CrossStatus::max_sweeps);
+  CHECK(rank.status == Termination::max_iterations);
   for (const int r : rank.train.ranks()) CHECK(r <= 5);
 
   const CrossResult evaluations = function.interpolate({.tolerance = 1e-3, .max_evaluations = 1500});
-  CHECK(evaluations.status == CrossStatus::max_evaluations);
+  CHECK(evaluations.status == Termination::max_calls);
   CHECK(evaluations.evaluations >= 1500);
   CHECK(static_cast<double>(evaluations.evaluations) < evaluations.grid_size);
   CHECK(evaluations.guard_error > 1e-3);
 
   // All entries suffice in the end: the grid is small, rank 20 is full.
   const CrossResult full = function.interpolate({.tolerance = 1e-3});
-  CHECK(full.status == CrossStatus::converged);
+  CHECK(full.status == Termination::converged);
 }
 
 TEST_CASE("sets that begin larger than the ranks find them in one sweep, and no more than they need") {
   Sampled function = rational({15, 16, 17, 18});
   const CrossResult small = function.interpolate({.tolerance = 1e-7});
   const CrossResult large = function.interpolate({.tolerance = 1e-7, .first_pivots = 40, .growth = 1.0});
-  CHECK(large.status == CrossStatus::converged);
+  CHECK(large.status == Termination::converged);
   CHECK(large.sweeps == 1);
   CHECK(small.sweeps > large.sweeps);
   for (std::size_t k = 0; k < large.train.ranks().size(); ++k)
@@ -393,19 +395,27 @@ TEST_CASE("the same seed gives the same train to the last bit, another one other
   CHECK(function.asked() != asked);
 }
 
-TEST_CASE("outputs that go together come from few entries") {
+TEST_CASE("outputs that go together come from few entries where left sets are at few places") {
   // With every member of a left set at a place of its own, the blocks of the inner modes alone would take
   // rank * nodes * rank entries each.
   Sampled function({12, 12, 12, 12}, 40, [](int m, const std::vector<double>& x) {
     return std::cos((1.0 + 0.1 * m) * (x[0] + x[1] + x[2]) + (1.0 + 0.2 * m) * x[3]);
   });
-  const CrossResult result =
-      function.interpolate({.tolerance = 1e-5, .guard_entries = 100, .first_pivots = 20, .growth = 1.0});
-  CHECK(result.status == CrossStatus::converged);
+  CrossOptions options{.tolerance = 1e-5, .guard_entries = 100, .first_pivots = 20, .growth = 1.0};
+  const CrossResult by_size = function.interpolate(options);
+  options.few_places = true;
+  const CrossResult result = function.interpolate(options);
+  CHECK(result.status == Termination::converged);
   CHECK(function.fresh_errors(result.train, 2000, 7).maxCoeff() <= 3e-5);
   const std::vector<int> ranks = result.train.ranks();
   CAPTURE(ranks, result.evaluations);
   CHECK(2.0 * static_cast<double>(result.evaluations) < 12.0 * (ranks[1] * ranks[2] + ranks[2] * ranks[3]));
+  // Rows that are the largest of all need more of them, and span more.
+  const std::vector<int> least = by_size.train.ranks();
+  CAPTURE(least, by_size.evaluations);
+  CHECK(by_size.status == Termination::converged);
+  CHECK(by_size.evaluations > 2 * result.evaluations);
+  CHECK(std::accumulate(least.begin(), least.end(), 0) <= std::accumulate(ranks.begin(), ranks.end(), 0));
 }
 
 TEST_CASE("an interpolation that goes on from any of its states gives the same to the last bit") {
@@ -436,5 +446,5 @@ TEST_CASE("pivots of another grid are refused") {
   const CrossResult other = rational({9, 9, 9}).interpolate({});
   CHECK_THROWS_AS(interpolate(one, 1, {9, 9}, {.start = other.pivots}), samara::ArgumentError);
   CHECK_THROWS_AS(interpolate(one, 1, {9, 3, 9}, {.start = other.pivots}), samara::ArgumentError);
-  CHECK(interpolate(one, 1, {4, 9, 9}, {.start = other.pivots}).status == CrossStatus::converged);
+  CHECK(interpolate(one, 1, {4, 9, 9}, {.start = other.pivots}).status == Termination::converged);
 }

@@ -31,7 +31,7 @@ TEST_CASE("grids up to 2^63 entries are interpolated and larger ones refused") {
     values = (0.5 * entries.cast<double>().array()).exp().matrix().colwise().prod();
   };
   const CrossResult result = interpolate(product, 1, std::vector<int>(62, 2), {.tolerance = 1e-4});
-  CHECK(result.status == CrossStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(result.grid_size == 0x1.0p62);
   CHECK(result.evaluations < 10000);
   CHECK_THROWS_WITH(interpolate(product, 1, std::vector<int>(63, 2), {}), Contains("2^63"));

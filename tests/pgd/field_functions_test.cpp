@@ -10,6 +10,7 @@
 
 using namespace samara::pgd;
 using Catch::Contains;
+using samara::Termination;
 
 namespace {
 
@@ -65,7 +66,7 @@ TEST_CASE("products and quotients of smooth fields meet their tolerance between 
     const FunctionResult times = product(f, f, {.tolerance = tolerance});
     const FunctionResult ratio = quotient(times.field.value(), f, {.tolerance = tolerance});
     CAPTURE(tolerance, times.message, ratio.message);
-    CHECK(times.status == FunctionStatus::met);
+    CHECK(times.status == Termination::converged);
     CHECK(times.tolerance_met);
     CHECK(times.error <= tolerance);
     CHECK(times.evaluations > 0);
@@ -92,7 +93,7 @@ TEST_CASE("a function of several fields gets all their outputs and gives as many
                                             },
                                             {.tolerance = 1e-5});
   CAPTURE(result.message);
-  REQUIRE(result.status == FunctionStatus::met);
+  REQUIRE(result.status == Termination::converged);
   const std::vector<double> x = {0.3, 0.4, 0.8};
   const Eigen::VectorXd value = (*result.field)(x);
   // Outputs of any size are found to their own scale.
@@ -130,13 +131,13 @@ TEST_CASE("a denominator that vanishes or changes its sign is named with its pla
   for (const double shift : {0.01, 0.5, 0.995, 0.0, 1.0}) {
     const FunctionResult result = quotient(f, line(f.axes(), shift));
     CAPTURE(shift, result.message);
-    CHECK(result.status == FunctionStatus::sign_change);
+    CHECK(result.status == Termination::sign_change);
     CHECK_FALSE(result.field.has_value());
     CHECK_FALSE(result.tolerance_met);
     CHECK_THAT(result.message, Contains("denominator d") && Contains("x = ") && Contains("z = "));
     REQUIRE(result.point.size() == 3);
   }
-  CHECK(quotient(f, line(f.axes(), -0.2)).status == FunctionStatus::met);
+  CHECK(quotient(f, line(f.axes(), -0.2)).status == Termination::converged);
 }
 
 TEST_CASE("a pocket of the other sign in one corner of five axes is found") {
@@ -153,7 +154,7 @@ TEST_CASE("a pocket of the other sign in one corner of five axes is found") {
   weights[5] = -4.9;
   const SeparatedField pocket(axes, {{"d"}}, factors, weights);
   const FunctionResult result = quotient(pocket, pocket);
-  CHECK(result.status == FunctionStatus::sign_change);
+  CHECK(result.status == Termination::sign_change);
   CHECK(result.point == std::vector<double>(5, 1.0));
 }
 
@@ -182,7 +183,7 @@ TEST_CASE("the denominator that is named is one without its sign at the place th
     FunctionOptions options;
     options.seed = seed;
     const FunctionResult result = quotient(below, below, options);
-    if (result.status != FunctionStatus::sign_change) continue;
+    if (result.status != Termination::sign_change) continue;
     CAPTURE(seed, result.message);
     const bool is_first = result.message.find("denominator c ") != std::string::npos;
     CHECK(below(result.point)[is_first ? 0 : 1] < 0.0);
@@ -195,7 +196,7 @@ TEST_CASE("a value that is not finite is reported with its output and node, and 
   const SeparatedField f = smooth(cube(8));
   const FunctionResult result = function_of(
       {f}, {{"root"}}, [](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y[0] = std::sqrt(x[0] - 2.0); });
-  CHECK(result.status == FunctionStatus::not_finite);
+  CHECK(result.status == Termination::not_finite);
   CHECK_FALSE(result.field.has_value());
   CHECK_THAT(result.message, Contains("root is") && Contains("nan at x = "));
   REQUIRE(result.point.size() == 3);
@@ -208,7 +209,7 @@ TEST_CASE("a tolerance out of reach is reported as missed, with the best field")
       {f}, {{"step"}},
       [](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y[0] = std::tanh(40.0 * (x[0] - x[1])); },
       {.tolerance = 1e-9, .max_rank = 3});
-  CHECK(result.status == FunctionStatus::tolerance_missed);
+  CHECK(result.status == Termination::missed);
   CHECK_FALSE(result.tolerance_met);
   CHECK(result.error > 1e-9);
   CHECK(result.field.has_value());

@@ -14,6 +14,7 @@
 
 using namespace samara::pgd;
 using Catch::Contains;
+using samara::Termination;
 
 namespace {
 
@@ -39,7 +40,7 @@ TensorTrain smooth_train(int modes, int nodes) {
   options.tolerance = 1e-10;
   const CrossResult result =
       interpolate(function, 1, std::vector<int>(static_cast<std::size_t>(modes), nodes), options);
-  REQUIRE(result.status == CrossStatus::converged);
+  REQUIRE(result.status == Termination::converged);
   return result.train;
 }
 
@@ -54,7 +55,7 @@ TEST_CASE("a train of twenty terms in six modes is separated without its three m
                     Contains("20, 20, 20, 20, 20") && Contains("3.2e+06") && Contains("separate()"));
   const Separation result = separate(train, 1e-6 * size);
   CAPTURE(result.message);
-  CHECK(result.status == SeparationStatus::met);
+  CHECK(result.status == Termination::converged);
   CHECK(result.tensor.rank() == 20);
   CHECK(result.error <= 1e-6 * size);
   CHECK(distance(to_train(result.tensor), train) == Approx(result.error));
@@ -64,7 +65,7 @@ TEST_CASE("a train that no short sum holds is refused with its numbers") {
   const TensorTrain train = random_train({8, 8, 8, 8, 8}, 8, 2);
   const double size = norm(train);
   const Separation result = separate(train, 1e-3 * size, 300);
-  CHECK(result.status == SeparationStatus::too_many_terms);
+  CHECK(result.status == Termination::rank_limit);
   CHECK(result.chains == 4096.0);
   CHECK(result.tensor.rank() <= 300);
   // What is returned is still the best sum found, and its error is the measured one.
@@ -75,7 +76,7 @@ TEST_CASE("a train that no short sum holds is refused with its numbers") {
   // With enough terms allowed the expansion itself is the answer.
   const Separation all = separate(train, 1e-12 * size, 4096);
   CAPTURE(all.message);
-  CHECK(all.status == SeparationStatus::met);
+  CHECK(all.status == Termination::converged);
   CHECK(all.expanded);
 }
 
@@ -85,7 +86,7 @@ TEST_CASE("smooth functions of five coordinates are separated to their tolerance
   for (const double relative : {1e-3, 1e-5}) {
     const Separation result = separate(train, relative * size);
     CAPTURE(relative, result.message);
-    CHECK(result.status == SeparationStatus::met);
+    CHECK(result.status == Termination::converged);
     CHECK(result.error <= relative * size);
     // Exponential sums (Braess and Hackbusch 2005) for 1/x on [1, 6] give 1e-3 with 3 terms, 1e-5 with 5 in
     // the maximum norm; local minima of the fit cost a few more.
@@ -102,7 +103,7 @@ TEST_CASE("separation keeps to its tolerance on random trains, for all numbers o
       for (const double relative : {0.3, 1e-2, 1e-9}) {
         const Separation result = separate(train, relative * size);
         CAPTURE(modes, seed, relative, result.message);
-        CHECK(result.status == SeparationStatus::met);
+        CHECK(result.status == Termination::converged);
         CHECK(result.error <= relative * size);
         CHECK(result.tensor.rank() <= result.chains);
       }
@@ -113,7 +114,7 @@ TEST_CASE("separation keeps to its tolerance on random trains, for all numbers o
 TEST_CASE("the zero train has no terms and a large tolerance leaves none") {
   const TensorTrain zero = to_train(SeparatedTensor::zero(std::vector<int>{4, 5, 6}));
   CHECK(separate(zero, 0.0).tensor.rank() == 0);
-  CHECK(separate(zero, 0.0).status == SeparationStatus::met);
+  CHECK(separate(zero, 0.0).status == Termination::converged);
   const TensorTrain train = random_train({4, 5, 6}, 2, 3);
   CHECK(separate(train, 2.0 * norm(train)).tensor.rank() == 0);
 }

@@ -279,6 +279,13 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
     alone = samara.realise("immersed_body_in_gusts", LEAF, times, air, 1, 7, first=1, keep=1)
     seen = np.isfinite(cloud.kept[1]).all(axis=1)
     np.testing.assert_array_equal(alone.kept[0][seen], cloud.kept[1][seen])
+    kept = tmp_path / "cloud.checkpoint"
+    begun = samara.realise("immersed_body_in_gusts", LEAF, times, air, 1000000, 7, checkpoint=kept, progress=lambda stage, share: not kept.exists())
+    assert begun.cancelled and kept.exists()
+    more = len(begun.status) + 256
+    resumed = samara.realise("immersed_body_in_gusts", LEAF, times, air, more, 7, checkpoint=kept)
+    np.testing.assert_array_equal(resumed.mean, samara.realise("immersed_body_in_gusts", LEAF, times, air, more, 7).mean)
+    assert not kept.exists()
     with pytest.raises(samara.ArgumentError, match=r"stream has the shape \(1, 3\), expected \(3,\)"):
         samara.realise("immersed_body_in_gusts", LEAF, times, samara.Turbulence(0.3, 0.2, stream=[[1, 0, 0]]))
     with pytest.raises(samara.ArgumentError, match="expected a samara.Wind"):

@@ -193,7 +193,7 @@ TEST_CASE("an added mass that is not finite has a status that says so") {
   const TriangleMesh box = box_mesh({10.0, 10.0, 10.0}, 2, 2);
   CHECK(panel_added_mass(box, 1.0).is_usable());
   const PanelAddedMass beyond = panel_added_mass(box, 1e308);  // 125 m^3 of it have no finite mass
-  CHECK(beyond.status == PanelStatus::not_finite);
+  CHECK(beyond.status == samara::Termination::not_finite);
   CHECK_FALSE(beyond.is_usable());
   CHECK_THAT(beyond.message, Catch::StartsWith("the added mass is not finite"));
 }
@@ -215,7 +215,7 @@ TEST_CASE("the panel solver reports its progress, and may be cancelled in each o
   for (const std::string& stage : stages) {
     options.progress = [&](const samara::Progress& progress) { return progress.stage != stage; };
     const PanelAddedMass K = panel_added_mass(mesh, 1.0, Eigen::Vector3d::Zero(), options);
-    CHECK(K.status == PanelStatus::cancelled);
+    CHECK(K.status == samara::Termination::cancelled);
     CHECK(K.message == "cancelled while " + stage + " " + std::to_string(K.unknowns) + " unknowns");
     CHECK(K.matrix.isZero());
     CHECK_FALSE(K.direct);

@@ -255,6 +255,22 @@ TEST_CASE("an ensemble that was plain numbers in between goes on to the same bit
   CHECK_THROWS_WITH(numbers_of({}), Contains("not made by realise()"));
 }
 
+TEST_CASE("what is done is handed over on the way and where it is cancelled, and goes on to the same bits") {
+  const auto air = breeze();
+  std::vector<Ensemble> handed;
+  const Ensemble cancelled = realise(leaf(), {}, *air, kTimes,
+                                     {.realisations = 1000000,
+                                      .progress = [&](const samara::Progress&) { return handed.empty(); },
+                                      .so_far = [&](const Ensemble& cloud) { handed.push_back(cloud); }});
+  REQUIRE(cancelled.cancelled);
+  REQUIRE(handed.size() == 2);
+  CHECK(handed[0].realisations() == 1024);
+  CHECK(handed[1].realisations() == cancelled.realisations());
+  const RealiseOptions more = {.realisations = cancelled.realisations() + 256};
+  const Ensemble all = realise(leaf(), {}, *air, kTimes, more);
+  for (const Ensemble& begun : handed) CHECK(same_bits(all, resume(begun, leaf(), {}, *air, kTimes, more)));
+}
+
 TEST_CASE("one generator behind all realisations is found out") {
   const auto path_of_17 = [](const AirSource& air, const RealiseOptions& options) {
     return realise(leaf(), {}, air, kTimes, options).kept[static_cast<std::size_t>(17 - options.first)];

@@ -78,6 +78,24 @@ TEST_CASE("corrections of incremental linearisation fall factorially, those of N
   CHECK(newton_steps[2] <= 2.0 * newton_steps[1] * newton_steps[1] + 1e-9);
 }
 
+TEST_CASE("products are rounded in the scales of the rates, whatever those of the states") {
+  // x' = -1e-9 q x y with y = 1e9: x = exp(-q t).
+  const PolynomialSystem system(2, 1, {{0, -1e-9, {1}, {1, 1}}});
+  const EvolutionProblem problem = {&system,
+                                    Axis::radau({"t", "s", AxisRole::time}, 0.0, 0.5, 1, 9),
+                                    {Axis::chebyshev({"q"}, 1.0, 2.0, 12)},
+                                    {{"x"}, {"y"}},
+                                    {1.0, 1e9},
+                                    {{1.0, -1}, {1e9, -1}}};
+  for (const auto& strategy : {incremental_strategy(), decoupling_strategy()}) {
+    const StrategyTrial result = try_strategy(problem, *strategy, {.tolerance = 1e-6});
+    CAPTURE(strategy->name(), result.message);
+    REQUIRE(result.status == samara::Termination::converged);
+    for (const double q : {1.1, 1.9})
+      CHECK(std::abs(result.value_at(std::vector{0.4, q})[0] - std::exp(-0.4 * q)) <= 1e-5);
+  }
+}
+
 TEST_CASE("terms of the asymptotic series fall geometrically, faster on shorter slabs") {
   const PolynomialSystem system = logistic();
   std::vector<double> ratios;
