@@ -8,7 +8,8 @@
 
 #include "samara/codebooks/book/codebook.h"
 
-/// Where a codebook is compared with what it stands for.
+/// Where a codebook is compared with what it stands for. How many points there are is the plan's:
+/// Plan::certificate_points().
 namespace samara::codebooks {
 
 /// Times between the builder's nodes and at its borders: twice as many in every time element as it has nodes;

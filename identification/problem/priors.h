@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-/// What is known of unknowns beforehand. As residuals priors stand in prior_terms.h, as text in prior_formats.h.
+/// What is known of unknowns beforehand. As residuals priors stand in prior_terms.h, as text in prior_formats.h; what
+/// asks for more than residuals is solve/laplace_evidence.cpp and solve/uncertainty.cpp (priors of several unknowns).
 namespace samara::identification {
 
 /// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.

@@ -9,6 +9,7 @@ namespace samara::identification {
 std::string to_string(WarningKind kind) {
   static constexpr std::array kNames = {"source", "captures", "model",    "bounds", "undetermined", "errors",
                                         "noise",  "optima",   "segments", "steps",  "predictions",  "series"};
+  static_assert(kNames.size() == static_cast<std::size_t>(WarningKind::series) + 1);
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

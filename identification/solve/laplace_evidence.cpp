@@ -40,7 +40,7 @@ double integral(const std::function<double(double)>& f, double lower, double upp
 double log_norm_of_loss(LossKind loss, double log_factor) {
   const double f = std::exp(log_factor);
   if (loss == LossKind::none) return std::log(f * std::sqrt(kTwoPi));
-  // Tails are exponential: exp(-|r|/f^2).
+  // Tails fall like exp(-|r|/f^2), or faster: is_density().
   const double reach = 40.0 * std::max(f, f * f);
   return std::log(2.0 * integral([&](double r) { return std::exp(-0.5 * loss_value(loss, r).rho / (f * f)); },
                                  0.0, reach));
@@ -278,8 +278,10 @@ const BoxedDirection* near_wall(const PosteriorDensity& density, const FitPoint&
 
 Outcome<Evidence> laplace_evidence(const models::TrajectoryFamily& family, const FitProblem& problem,
                                    const std::vector<SegmentResidual>& residuals, const FitPoint& answer) {
-  if (problem.loss == LossKind::cauchy)
-    return no_evidence("Cauchy's loss is no density of noise; another loss was expected");
+  if (!is_density(problem.loss)) {
+    return no_evidence(fmt::format("the loss \"{}\" is no density of noise; another loss was expected",
+                                   to_string(problem.loss)));
+  }
   if (problem.segments.size() != problem.motions.size())
     return no_evidence("captures are cut into segments; whole ones were expected");
   const Outcome<double> log_prior_norm = log_norm_of_priors(problem);

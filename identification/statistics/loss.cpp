@@ -50,6 +50,18 @@ double efficient_bend(LossKind kind) {
   throw ArgumentError("a loss of no known kind");
 }
 
+bool is_density(LossKind kind) {
+  switch (kind) {
+    case LossKind::none:
+    case LossKind::huber:
+    case LossKind::soft_l1:
+      return true;
+    case LossKind::cauchy:
+      return false;
+  }
+  throw ArgumentError("a loss of no known kind");
+}
+
 double bounded_loss(LossKind kind, double r) {
   const double s = r * r;
   switch (kind) {

@@ -30,6 +30,10 @@ LossValue loss_value(LossKind kind, double r);
 /// efficiency of least squares; 1 where there is no bend.
 double efficient_bend(LossKind kind);
 
+/// Whether exp(-rho/(2 f^2)) is a density of noise for every f, with tails that fall exponentially or faster: what
+/// evidence is of.
+bool is_density(LossKind kind);
+
 /// What a scale is estimated with: r^2 for small r, monotonous in |r|, bounded for robust losses.
 double bounded_loss(LossKind kind, double r);
 

@@ -7,8 +7,8 @@
 #include "samara/base/names.h"
 #include "samara/models/fields/field_model.h"
 
-// The models that ship with Samara, one line each: laws/<name>.cpp or wakes/<name>.cpp defines the function <name>();
-// plate, coefficient_body and kirchhoff_body in gusts stand beside these.
+// The models that ship with Samara, one line each: laws/<name>.cpp or wakes/<name>.cpp defines the function <name>(),
+// as law_model.h says; plate, coefficient_body and kirchhoff_body in gusts stand beside these.
 #define SAMARA_LAWS(LAW)         \
   LAW(coefficient_body)          \
   LAW(coefficient_body_in_gusts) \

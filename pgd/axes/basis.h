@@ -31,8 +31,8 @@ enum class AxisFamily {
   list,      ///< not at all: there are values at the nodes only, and no derivatives
 };
 
-/// One row per basis. A new basis is a new row, a factory of Axis, and where it belongs to none of the families,
-/// its tables and its interpolation.
+/// One row per basis. A new basis is a new row, a factory of Axis, and where it belongs to none of the families, its
+/// tables and its interpolation: axis.cpp here, in codebooks file/piece_format.cpp and query/kernels/axis_weights.cpp.
 struct BasisTraits {
   Basis basis;
   const char* name;  ///< in files and plans

@@ -13,18 +13,11 @@ namespace samara::pgd {
 
 namespace {
 
-double power(double base, int exponent) {
-  double result = 1.0;
-  for (int i = 0; i < exponent; ++i) result *= base;
-  return result;
-}
-
-/// The product of powers at column j, but for the power of one factor (or none: -1).
-double product(const Eigen::MatrixXd& values, Eigen::Index j, const std::vector<int>& powers, int left_out) {
-  double result = 1.0;
-  for (std::size_t k = 0; k < powers.size(); ++k) {
-    if (static_cast<int>(k) != left_out) result *= power(values(static_cast<Eigen::Index>(k), j), powers[k]);
-  }
+/// Each factor as often as its power says.
+std::vector<int> factors(const std::vector<int>& powers) {
+  std::vector<int> result;
+  for (std::size_t k = 0; k < powers.size(); ++k)
+    result.insert(result.end(), static_cast<std::size_t>(powers[k]), static_cast<int>(k));
   return result;
 }
 
@@ -49,34 +42,42 @@ PolynomialSystem::PolynomialSystem(int states, int parameters, std::vector<Monom
     }
     check_powers(term.parameter_powers, parameters_, "parameter");
     check_powers(term.state_powers, states_, "state");
+    const std::vector<int> of_parameters = factors(term.parameter_powers);
+    rates_.push_back({term.state, term.coefficient, of_parameters, factors(term.state_powers)});
+    for (int m = 0; m < states_; ++m) {
+      std::vector<int> powers = term.state_powers;
+      const int exponent = powers[static_cast<std::size_t>(m)]--;
+      if (exponent > 0)
+        slopes_.push_back(
+            {term.state + states_ * m, term.coefficient * exponent, of_parameters, factors(powers)});
+    }
+  }
+}
+
+void PolynomialSystem::sum(const std::vector<Product>& products, const Eigen::MatrixXd& x,
+                           const Eigen::MatrixXd& q, Eigen::MatrixXd& sums) {
+  for (Eigen::Index j = 0; j < x.cols(); ++j) {
+    const double* states = x.data() + x.rows() * j;
+    const double* parameters = q.data() + q.rows() * j;
+    for (const Product& product : products) {
+      double value = product.coefficient;
+      for (const int k : product.parameters) value *= parameters[k];
+      for (const int m : product.states) value *= states[m];
+      sums(product.row, j) += value;
+    }
   }
 }
 
 void PolynomialSystem::rhs(const Eigen::VectorXd&, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
                            Eigen::MatrixXd& f) const {
-  f = Eigen::MatrixXd::Zero(x.rows(), x.cols());
-  for (const Monomial& term : terms_) {
-    for (Eigen::Index j = 0; j < x.cols(); ++j) {
-      f(term.state, j) +=
-          term.coefficient * product(q, j, term.parameter_powers, -1) * product(x, j, term.state_powers, -1);
-    }
-  }
+  f = Eigen::MatrixXd::Zero(states_, x.cols());
+  sum(rates_, x, q, f);
 }
 
 void PolynomialSystem::jacobian(const Eigen::VectorXd&, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
                                 Eigen::MatrixXd& jacobian) const {
-  jacobian = Eigen::MatrixXd::Zero(x.rows() * x.rows(), x.cols());
-  for (const Monomial& term : terms_) {
-    for (int m = 0; m < states_; ++m) {
-      const int exponent = term.state_powers[static_cast<std::size_t>(m)];
-      if (exponent == 0) continue;
-      for (Eigen::Index j = 0; j < x.cols(); ++j) {
-        jacobian(term.state + x.rows() * m, j) +=
-            term.coefficient * exponent * product(q, j, term.parameter_powers, -1) *
-            product(x, j, term.state_powers, m) * power(x(m, j), exponent - 1);
-      }
-    }
-  }
+  jacobian = Eigen::MatrixXd::Zero(Eigen::Index{states_} * states_, x.cols());
+  sum(slopes_, x, q, jacobian);
 }
 
 bool PolynomialSystem::affine_in_parameters() const {

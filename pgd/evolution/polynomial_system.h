@@ -36,9 +36,22 @@ class PolynomialSystem final : public EvolutionSystem {
   const PolynomialSystem* polynomial() const override { return this; }
 
  private:
+  /// A coefficient times parameters and states, each as often as its power says: few multiplications, no powers.
+  struct Product {
+    int row;
+    double coefficient;
+    std::vector<int> parameters, states;
+  };
+
+  /// Adds the products at each column of x and q to the rows they belong to.
+  static void sum(const std::vector<Product>& products, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
+                  Eigen::MatrixXd& sums);
+
   int states_;
   int parameters_;
   std::vector<Monomial> terms_;
+  std::vector<Product> rates_;   ///< rows of f
+  std::vector<Product> slopes_;  ///< rows of the Jacobian, column by column
 };
 
 }  // namespace samara::pgd

@@ -184,7 +184,7 @@ TEST_CASE("where a prior is none, or the answer lies at a wall, there is no evid
   CHECK_THAT(reason(), Catch::Contains("k lies within two deviations"));
   options.unknowns.box.clear();
   options.loss.kind = LossKind::cauchy;
-  CHECK_THAT(reason(), Catch::Contains("Cauchy"));
+  CHECK_THAT(reason(), Catch::Contains("\"cauchy\" is no density"));
   options.loss.kind = LossKind::none;
   options.priors.combinations = {{.weights = {{"k", 1.0}, {"v(0)", 1.0}}, .mean = 2.3, .deviation = 0.1}};
   CHECK_THAT(reason(), Catch::Contains("several unknowns together"));

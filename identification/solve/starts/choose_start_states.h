@@ -9,9 +9,10 @@
 /// Internal to identification/.
 namespace samara::identification {
 
-/// Start states of all segments, the shared unknowns held at `point`. Captures smoothed in several ways give
-/// candidates (states_from_frames.h); each segment keeps the one from which its own frames are met best. A
-/// segment that is met much worse than the others grows from its first frames to all of them.
+/// Start states of all segments, for fits whose captures are cut into segments (first_point in fit.cpp), the shared
+/// unknowns held at `point`. Captures smoothed in several ways give candidates (states_from_frames.h); each segment
+/// keeps the one from which its own frames are met best. A segment that is met much worse than the others grows from
+/// its first frames to all of them.
 ///
 /// @param equations with the coordinates of the family free, in their order
 /// @param residuals one per segment; scratch

@@ -17,6 +17,7 @@
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
+using Catch::Matchers::WithinRel;
 using samara::Check;
 using slab_systems::Matrix;
 using slab_systems::Vector;
@@ -100,7 +101,28 @@ TEST_CASE("systems that keep their promises pass their test kit") {
   CHECK(check_system(pendulum_to_check(swing)).findings == std::vector<std::string>{});
   const PolynomialSystem logistic(1, 1, {{0, 1.0, {1}, {1}}, {0, -1.0, {}, {2}}});
   CHECK(check_system(growth(logistic)).findings == std::vector<std::string>{});
+  const PolynomialSystem of_powers(
+      1, 1, {{0, 0.5, {2}, {3}}, {0, -1.0, {0}, {3}}, {0, 2.0, {1}, {0}}, {0, 1.0, {3}, {1}}});
+  CHECK(check_system(growth(of_powers)).findings == std::vector<std::string>{});
   CHECK(check_system(growth(BrokenSystem())).passed());
+}
+
+TEST_CASE("a polynomial system is the sum of its monomials, and its Jacobian of their derivatives") {
+  const PolynomialSystem system(2, 2,
+                                {{0, 0.5, {2, 1}, {3, 1}}, {0, -3.0, {}, {0, 2}}, {1, 2.0, {0, 1}, {}}});
+  const Matrix x{{1.3, -0.4}, {0.7, 2.0}}, q{{0.6, 1.1}, {-1.5, 0.2}};
+  Matrix f, jacobian;
+  system.rhs(Vector::Zero(2), x, q, f);
+  system.jacobian(Vector::Zero(2), x, q, jacobian);
+  for (int j = 0; j < 2; ++j) {
+    const double a = x(0, j), b = x(1, j), k = 0.5 * q(0, j) * q(0, j) * q(1, j);
+    CHECK_THAT(f(0, j), WithinRel(k * a * a * a * b - 3.0 * b * b, 1e-14));
+    CHECK_THAT(f(1, j), WithinRel(2.0 * q(1, j), 1e-14));
+    CHECK_THAT(jacobian(0, j), WithinRel(3.0 * k * a * a * b, 1e-14));
+    CHECK_THAT(jacobian(2, j), WithinRel(k * a * a * a - 6.0 * b, 1e-14));
+    CHECK(jacobian(1, j) == 0.0);
+    CHECK(jacobian(3, j) == 0.0);
+  }
 }
 
 TEST_CASE("the test kit of systems finds every broken promise") {
