@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "air/winds.h"
 #include "inputs/assignments.h"
 #include "inputs/flows.h"
 #include "samara/base/errors.h"
@@ -113,7 +114,8 @@ NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricMod
   if (!words.radius.empty()) radius = body_radius;
   const models::wind::BodyOutline body = models::wind::outline_of(model, radius);
   return {.source = models::wind::wind_air(file.wind, body.length, body.semi_axes, seed),
-          .description = description};
+          .description = description,
+          .shortest_gust = shortest_gust(file.wind)};
 }
 
 NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,

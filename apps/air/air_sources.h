@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -16,6 +17,7 @@ struct NamedAir {
   std::string description;  ///< for the files and the summary
   /// What tells it from all other air, seed and contents of files included; empty where a file is a pipe.
   std::string identity = {};
+  double shortest_gust = std::numeric_limits<double>::infinity();  ///< of a wind, as winds.h says [s]
 };
 
 /// Whether the call says what fluid it is.

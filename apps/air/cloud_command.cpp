@@ -232,7 +232,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
     return kInterrupted;
   }
   warn_of_steps(cloud, options.step);
-  if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, options.step);
+  warn_of_gusts(air.shortest_gust, options.step);
   if (!arguments.cloud.picture.empty())
     io::write_text_atomically(arguments.cloud.picture, cloud_picture(cloud, layout, options.ground));
   // Those that only the picture wanted.

@@ -1,7 +1,6 @@
 #include "air/winds.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -13,9 +12,9 @@
 
 namespace samara::apps {
 
-std::shared_ptr<const models::Model> model_in_wind(const std::string& file, std::uint64_t seed,
-                                                   const std::shared_ptr<const models::Model>& model,
-                                                   const std::map<std::string, double>& values) {
+ModelInWind model_in_wind(const std::string& file, std::uint64_t seed,
+                          const std::shared_ptr<const models::Model>& model,
+                          const std::map<std::string, double>& values) {
   const std::string& name = model->info().name;
   if (name != "immersed_body") {
     throw ArgumentError(fmt::format(
@@ -29,18 +28,17 @@ std::shared_ptr<const models::Model> model_in_wind(const std::string& file, std:
   if (wind.seen)
     throw InputError(
         file, "has turbulence of the kind \"seen\", which is along paths: --realisations was expected");
-  return models::immersed_body_in(models::wind::wind_flow(wind.wind, body.length, seed, 0));
+  return {.model = models::immersed_body_in(models::wind::wind_flow(wind.wind, body.length, seed, 0)),
+          .shortest_gust = shortest_gust(wind.wind)};
 }
 
-double shortest_gust(const std::string& file) {
+double shortest_gust(const models::wind::Wind& wind) {
   double least = std::numeric_limits<double>::infinity();
-  for (const models::wind::Gust& gust : codebooks::read_wind(file).wind.gusts)
-    least = std::min(least, gust.duration());
+  for (const models::wind::Gust& gust : wind.gusts) least = std::min(least, gust.duration());
   return least;
 }
 
-void warn_of_gusts(const std::string& file, double step) {
-  const double shortest = shortest_gust(file);
+void warn_of_gusts(double shortest, double step) {
   if (10.0 * step > shortest)
     warn(fmt::format("a gust lasts {:.3g} s and steps are of {:.3g} s; --step {:.2g} would follow it",
                      shortest, step, 0.1 * shortest));

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -162,8 +161,9 @@ void check_frames(const SimulateArguments& arguments, const models::ModelInfo& i
   }
 }
 
-/// What --integrator and --step say.
-models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const models::ModelInfo& info) {
+/// What --integrator and --step say. @param gust the shortest, infinite where there is none [s]
+models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const models::ModelInfo& info,
+                                       double gust) {
   const bool stiff = arguments.integrator == "bdf";
   const bool fixed = !stiff && arguments.integrator != "cvodes" && arguments.integrator != "adaptive";
   if (fixed && arguments.step.empty()) {
@@ -175,13 +175,11 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
         fmt::format("--integrator {} chooses its steps: no --step was expected", arguments.integrator));
   }
   // A body that falls steadily takes long steps: they must not leap over a gust.
-  const double gust =
-      arguments.wind.empty() ? std::numeric_limits<double>::infinity() : shortest_gust(arguments.wind);
   const double longest = std::isfinite(gust) ? 0.25 * gust : 0.0;
   if (arguments.integrator == "adaptive") return models::AdaptiveOptions{.max_step = longest};
   if (!fixed) return models::IntegrateOptions{.stiff = stiff, .max_step = longest};
   const double step = positive_quantity("--step", arguments.step, models::time_unit(info));
-  if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, step);
+  warn_of_gusts(gust, step);
   if (arguments.integrator == "rk4") return models::Rk4Options{.step = step};
   if (arguments.integrator == "rkmk") return models::RkmkOptions{.step = step};
   return models::LieGroupOptions{.step = step, .order = 4};
@@ -245,8 +243,10 @@ int run_simulate(const SimulateArguments& arguments) {
   std::map<std::string, double> values = parse_assignments(arguments.set, units);
   values.merge(values_of_body(arguments, info));  // what is set by itself stays
   const bool in_one_wind = !arguments.wind.empty() && arguments.cloud.realisations.empty();
-  const auto model =
-      in_one_wind ? model_in_wind(arguments.wind, seed_of(arguments.cloud), still, values) : still;
+  const ModelInWind flown = in_one_wind
+                                ? model_in_wind(arguments.wind, seed_of(arguments.cloud), still, values)
+                                : ModelInWind{.model = still};
+  const auto& model = flown.model;
   ModelWithSeries steered{.book = nullptr, .model = model, .values = std::move(values)};
   if (!arguments.coefficients.empty()) {
     steered = model_with_series(arguments.coefficients, model, steered.values);
@@ -260,8 +260,8 @@ int run_simulate(const SimulateArguments& arguments) {
   check_frames(arguments, info);
   const Eigen::VectorXd times = even_times(arguments.frames, 0.0, end);
   if (!arguments.cloud.realisations.empty()) return fly_cloud(arguments, parametric, times);
-  const auto family =
-      models::integrator_trajectories(steered.model, steered.values, {}, integrator_of(arguments, info));
+  const auto family = models::integrator_trajectories(steered.model, steered.values, {},
+                                                      integrator_of(arguments, info, flown.shortest_gust));
   if (io::is_scene_name(arguments.output)) return animate(arguments, parametric, *family, end);
   const models::FamilyTrajectory trajectory =
       models::trajectory(*family, {}, {times.begin(), times.end()}, models::output_names(family->info()));

@@ -160,10 +160,8 @@ SeriesKind read_series(const TomlTable& table, const ProfileOptions& mean) {
   return kind;
 }
 
-}  // namespace
-
-WindFile read_wind(const std::filesystem::path& path) {
-  const TomlTable root = TomlTable::read(path, "a wind");
+/// @param root of the file
+WindFile wind_of(const TomlTable& root) {
   root.expect_keys({"mean", "turbulence", "gusts", "series"});
   const TomlTable mean = root.table("mean");
   const ProfileOptions profile = read_profile(mean);
@@ -180,6 +178,16 @@ WindFile read_wind(const std::filesystem::path& path) {
   }
   if (const auto table = root.optional_table("series")) file.series = read_series(*table, profile);
   return file;
+}
+
+}  // namespace
+
+WindFile read_wind(const std::filesystem::path& path) {
+  return wind_of(TomlTable::read(path, "a wind"));
+}
+
+WindFile parse_wind(std::string_view text, const std::string& name) {
+  return wind_of(TomlTable::parse(text, name, "a wind"));
 }
 
 }  // namespace samara::codebooks

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "samara/models/wind/wind.h"
 #include "samara/models/wind/wind_series.h"
@@ -55,5 +57,8 @@ struct WindFile {
 
 /// @throws InputError at the key that is wrong
 WindFile read_wind(const std::filesystem::path& path);
+
+/// The same of a text. @param name of its file, in messages
+WindFile parse_wind(std::string_view text, const std::string& name);
 
 }  // namespace samara::codebooks

@@ -168,6 +168,9 @@ Checkpoint::Checkpoint(std::filesystem::path path, std::string plan)
   std::error_code ignored;
   if (std::filesystem::is_directory(path_, ignored))
     throw InputError(path_.string(), "is a folder, expected a file for the checkpoint of a build");
+  // Of a pipe nothing could be read again, and to open one may wait for ever.
+  if (std::filesystem::exists(path_, ignored) && !std::filesystem::is_regular_file(path_, ignored))
+    throw InputError(path_.string(), "is no regular file, expected one for the checkpoint of a build");
 }
 
 std::vector<double> Checkpoint::march() const {

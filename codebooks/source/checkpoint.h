@@ -36,6 +36,7 @@ struct CallSheet {
 class Checkpoint {
  public:
   /// Nothing is read or written yet. Several may be of one file.
+  /// @throws InputError if it is there and no regular file
   Checkpoint(std::filesystem::path path, std::string plan);
 
   /// The state of the march, empty if the file holds none.

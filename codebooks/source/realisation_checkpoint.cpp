@@ -38,7 +38,8 @@ models::Ensemble realise(const models::ParametricModel& model, std::span<const d
                          const models::AirSource& air, std::span<const double> times,
                          const models::RealiseOptions& options, const RealisationCheckpoint& checkpoint) {
   if (checkpoint.file.empty()) return models::realise(model, point, air, times, options);
-  model.check(point);
+  // First: with options that are wrong any checkpoint would seem to be of another call.
+  models::check_realisations(model, point, air, times, options);
   Checkpoint file(checkpoint.file, text_of_call(model, point, times, options, checkpoint.air));
   const auto note = [&](const std::string& sentence) {
     if (checkpoint.note) checkpoint.note(sentence);

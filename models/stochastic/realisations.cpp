@@ -351,6 +351,11 @@ Ensemble realise(const ParametricModel& model, std::span<const double> point, co
                   EnsembleSums(times.size(), static_cast<Eigen::Index>(plan.states.size())), plan, options);
 }
 
+void check_realisations(const ParametricModel& model, std::span<const double> point, const AirSource& air,
+                        std::span<const double> times, const RealiseOptions& options) {
+  plan_of(model, point, air, times, options);
+}
+
 std::vector<double> numbers_of(const Ensemble& ensemble) {
   if (!ensemble.sums)
     throw ArgumentError("an ensemble that was not made by realise() has no numbers to go on from");

@@ -52,6 +52,11 @@ double step_of_body(const ParametricModel& model, std::span<const double> point)
 Ensemble realise(const ParametricModel& model, std::span<const double> point, const AirSource& air,
                  std::span<const double> times, const RealiseOptions& options = {});
 
+/// Refuses what realise() would refuse, and flies nothing: for those who have other work to do before.
+/// @throws ArgumentError as realise()
+void check_realisations(const ParametricModel& model, std::span<const double> point, const AirSource& air,
+                        std::span<const double> times, const RealiseOptions& options = {});
+
 /// Goes on from an ensemble that was cancelled or stopped early, up to options.realisations: the result is that of an
 /// undisturbed run, to the bit. All else is to be as it was; the air cannot be compared.
 /// @throws ArgumentError as above, if it was not made by realise() or does not end on a multiple of 256, and if times,

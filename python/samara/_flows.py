@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import pathlib
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -279,15 +278,9 @@ def realise(
 
 
 def _identity(air: Union[Wind, Wake, Turbulence], told: Mapping[str, Any]) -> str:
-    """What tells the air from all other, what stands in a file included."""
+    """What tells the air from all other. What stands in the file of a wind is added where it is read."""
     names = ("kind", "k", "epsilon", "stream", "decays", "speed", "length", "place", "stream_beyond", "radius", "seed", "C_0", "body_radius", "rotation")
     text = ", ".join(f"{name} {told[name]}" for name in names if name in told)
-    if isinstance(air, Wind):
-        try:
-            content = pathlib.Path(air.path).read_bytes()
-        except OSError:
-            content = b""  # why it cannot be read is said where the wind is made of it
-        return f"{text}\n{hashlib.sha256(content).hexdigest()}"
     if isinstance(air, Wake):
         fields = hashlib.sha256(b"".join(np.ascontiguousarray(air.flow[name]).tobytes() for name in air.flow))
         return f"{text}\n{air.flow.summary}\n{fields.hexdigest()}"

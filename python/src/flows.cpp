@@ -21,6 +21,7 @@
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/codebooks/source/realisation_checkpoint.h"
 #include "samara/flow/files/flow_view.h"
+#include "samara/io/text_file.h"
 #include "samara/models/stochastic/fluid_seen.h"
 #include "samara/models/stochastic/gust_layout.h"
 #include "samara/models/stochastic/realisations.h"
@@ -139,14 +140,24 @@ py::array_t<double> centres_of(const Flow& stored, int direction) {
   return copied(places);
 }
 
+/// What stands in the file of a wind; empty for other air. It is read once, as a pipe has it once: the wind is made of
+/// it, and its checkpoint knows it again.
+std::string wind_text_of(const py::dict& air, Failure& failure) {
+  if (air["kind"].cast<std::string>() != "wind") return {};
+  const auto file = air["file"].cast<std::filesystem::path>();
+  return unlocked(failure, [&] { return io::read_text_file(file, {.expected = "a wind"}); });
+}
+
 /// The air of a cloud: a wind's file; or a flow's with speed, length, place and whether the stream goes on beyond it;
 /// or an energy that is the same everywhere.
-std::shared_ptr<const models::AirSource> air_of(const py::dict& given, const models::ParametricModel& model,
-                                                std::uint64_t seed, const models::SeenOptions& seen) {
+/// @param wind_text of wind_text_of()
+std::shared_ptr<const models::AirSource> air_of(const py::dict& given, const std::string& wind_text,
+                                                const models::ParametricModel& model, std::uint64_t seed,
+                                                const models::SeenOptions& seen) {
   const auto kind = given["kind"].cast<std::string>();
   if (kind == "wind") {
     const auto file = given["file"].cast<std::filesystem::path>();
-    const codebooks::WindFile wind = codebooks::read_wind(file);
+    const codebooks::WindFile wind = codebooks::parse_wind(wind_text, file.string());
     if (wind.seen)
       return models::fluid_seen_in(
           models::wind::surface_layer(wind.wind.profile, wind.wind.towards, *wind.seen), seed, seen);
@@ -209,7 +220,8 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
   const auto nu = std::ranges::find(info.parameters, "nu", &models::ParameterInfo::name);
   if (nu != info.parameters.end())
     seen.viscosity = parameters[static_cast<std::size_t>(nu - info.parameters.begin())];
-  const auto source = air_of(air, model, given["seed"].cast<std::uint64_t>(), seen);
+  const std::string wind_text = wind_text_of(air, *failure);
+  const auto source = air_of(air, wind_text, model, given["seed"].cast<std::uint64_t>(), seen);
   const auto step = given["step"].cast<std::optional<double>>();
   const models::RealiseOptions options = {.realisations = given["realisations"].cast<long>(),
                                           .first = given["first"].cast<long>(),
@@ -224,7 +236,7 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
   std::vector<std::string> warnings;
   const codebooks::RealisationCheckpoint checkpoint = {
       .file = given["checkpoint"].cast<std::filesystem::path>(),
-      .air = given["identity"].cast<std::string>(),
+      .air = given["identity"].cast<std::string>() + "\n" + wind_text,
       .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
   const models::Ensemble cloud =
       unlocked(*failure, [&] { return codebooks::realise(model, {}, *source, times, options, checkpoint); });

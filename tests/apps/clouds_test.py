@@ -297,6 +297,20 @@ class BadClouds(Case):
         self.refused([*ten, "--picture", FOLDER / "cloud.png"], "expected a name that ends in .svg")
         self.refused([*ten, "--first", 2**62], "first is 4611686018427387904; at most 4503599627370496 was expected")
 
+    def test_wrong_words_are_named_before_the_checkpoint_of_another_call(self):
+        kept = write("refused.h5.checkpoint", "of another call")
+        ten = ["--realisations", 10, "-o", FOLDER / "refused.h5"]
+        wrong = [(["--states", "speed"], 'has no state "speed"'), (["--ground", 3], "expected below the start"),
+                 (["--first", 3, "--antithetic"], "an even number"), (["--set", "gust_x=1"], "gust_x was given a value")]
+        for words, sentence in wrong:
+            self.refused([*ten, *words], sentence)  # in the only line of stderr
+        self.assertEqual(kept.read_text(), "of another call")
+        kept.unlink()
+        kept.mkdir()
+        for words, sentence in wrong:
+            self.refused([*ten, *words], sentence)
+        self.check_error(cloud(*ten, "--until", 0.1), 3, "refused.h5.checkpoint", "is a folder")
+
     def test_more_than_memory_holds(self):
         self.refused(["--realisations", 100000, "--keep", 100000, "--frames", 10001, "-o", FOLDER / "cloud.h5"], "which would take 104")
         self.refused(["--realisations", 10, "--frames", 2900000], "frames were expected")

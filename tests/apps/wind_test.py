@@ -70,6 +70,18 @@ class Wind(Case):
                     "--step", "5 ms")
         self.assertIn("a gust lasts 0.01 s", flown.stderr)
 
+    def test_a_wind_may_be_a_pipe(self):
+        wind = write("gusty.toml", MEADOW + '[[gusts]]\nvelocity = [0, "3 m/s", 0]\nstart = "50 ms"\nduration = "10 ms"\n')
+        times = ["--until", 0.1, "--frames", 3]
+        for call in (["immersed_body", *LEAF, *times], ["immersed_body", *LEAF, *times, "--integrator", "rk4", "--step", "2 ms"],
+                     ["immersed_body_in_gusts", *LEAF, *times, "--realisations", 3, "--step", "2 ms"]):
+            named = run("simulate", *call, "--wind", wind)
+            piped = subprocess.run([SAMARA, "simulate", *map(str, call), "--wind", "/dev/stdin"], input=wind.read_text(),
+                                   capture_output=True, text=True, timeout=LONGEST)
+            self.assertEqual(piped.returncode, 0, piped.stderr)
+            self.assertEqual(piped.stdout, named.stdout)
+            self.assertEqual("a gust lasts 0.01 s" in piped.stderr, "--step" in call)
+
     def test_a_realisation_converges_to_the_path_of_the_reference_integrator(self):
         wind = write("meadow.toml", MEADOW)
         times = ["--wind", wind, "--seed", 7, "--until", "0.4", "--frames", 3]

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include <catch2/catch.hpp>
+#include <sys/stat.h>
 
+#include "../error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/stochastic/fluid_seen.h"
@@ -79,6 +81,42 @@ TEST_CASE("a checkpoint of realisations of another call, or no checkpoint at all
   }
   put_content(checkpoint.file, "no checkpoint");
   CHECK(is_replaced(checkpoint, 1.0));
+}
+
+TEST_CASE("options of realisations that are wrong are named before a checkpoint is looked at") {
+  const TemporaryDirectory directory;
+  const RealisationCheckpoint checkpoint = {.file = directory / "cloud.checkpoint", .air = "seed 7"};
+  std::vector<std::string> told;
+  const auto refusal = [&](const RealiseOptions& options) {
+    const std::string sentence = error_text<samara::ArgumentError>([&] { flown(options, checkpoint, told); });
+    CHECK(told.empty());
+    return sentence;
+  };
+  const auto check_refusals = [&] {
+    CHECK_THAT(refusal({.realisations = 0}), Contains("realisations is 0; at least 1 was expected"));
+    CHECK_THAT(refusal({.first = -1}), Contains("first is -1; 0 or more was expected"));
+    CHECK_THAT(refusal({.step = 0.0}), Contains("step is 0"));
+    CHECK_THAT(refusal({.states = {"speed"}}), Contains("has no state \"speed\""));
+    CHECK_THAT(refusal({.ground = 3.0}), Contains("expected below the start"));
+    CHECK_THAT(refusal({.max_steps = 10}), Contains("are more than 10"));
+  };
+  RealiseOptions killed = {.realisations = 1536};
+  killed.so_far = [](const Ensemble&) { throw std::runtime_error("killed"); };
+  CHECK_THROWS_WITH(flown(killed, checkpoint, told), "killed");
+  const std::string before = content(checkpoint.file);
+  check_refusals();
+  CHECK(content(checkpoint.file) == before);
+  // A folder in its place is refused, too, but after the options.
+  std::filesystem::remove(checkpoint.file);
+  std::filesystem::create_directory(checkpoint.file);
+  check_refusals();
+  CHECK_THAT(error_text<samara::InputError>([&] { flown({.realisations = 2}, checkpoint, told); }),
+             Contains("is a folder"));
+  // So is a pipe, which nothing would ever be read from.
+  std::filesystem::remove(checkpoint.file);
+  REQUIRE(::mkfifo(checkpoint.file.c_str(), 0600) == 0);
+  CHECK_THAT(error_text<samara::InputError>([&] { flown({.realisations = 2}, checkpoint, told); }),
+             Contains("is no regular file"));
 }
 
 TEST_CASE("realisations whose checkpoint cannot be written fly all the same, with one warning") {

@@ -106,3 +106,9 @@ TEST_CASE("other kinds of winds, and what is not given, are read for what they a
   CHECK(seen.series->spectrum == SeriesSpectrum::kaimal);
   CHECK(seen.wind.gusts.empty());
 }
+
+TEST_CASE("a wind that is a text is read as its file is, whose name its errors have") {
+  CHECK(parse_wind("[mean]\nspeed = 5\n", "meadow.toml").wind.profile.options().speed == 5.0);
+  CHECK_THROWS_WITH(parse_wind("[mean]\nspeed = 5\nroughness = -1\n", "meadow.toml"),
+                    Catch::Contains("meadow.toml:3"));
+}

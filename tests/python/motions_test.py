@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import json
+import os
 import re
 
 import h5py
@@ -286,12 +287,50 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
     resumed = samara.realise("immersed_body_in_gusts", LEAF, times, air, more, 7, checkpoint=kept)
     np.testing.assert_array_equal(resumed.mean, samara.realise("immersed_body_in_gusts", LEAF, times, air, more, 7).mean)
     assert not kept.exists()
+    # What is wrong with the call is said before a checkpoint that could be none.
+    with pytest.raises(samara.ArgumentError, match='has no state "speed"'):
+        samara.realise("immersed_body_in_gusts", LEAF, times, air, states=["speed"], checkpoint=tmp_path)
     with pytest.raises(samara.ArgumentError, match=r"stream has the shape \(1, 3\), expected \(3,\)"):
         samara.realise("immersed_body_in_gusts", LEAF, times, samara.Turbulence(0.3, 0.2, stream=[[1, 0, 0]]))
     with pytest.raises(samara.ArgumentError, match="expected a samara.Wind"):
         samara.realise("immersed_body_in_gusts", LEAF, times, "wind.toml")
     with pytest.raises(samara.ArgumentError, match="immersed_body"):
         samara.realise("immersed_body", LEAF, times, air)
+
+
+def test_a_wind_from_a_pipe_is_read_once_beside_a_checkpoint_too(tmp_path):
+    path, kept = tmp_path / "wind.toml", tmp_path / "cloud.checkpoint"
+    text = '[mean]\nspeed = "4 m/s"\nroughness = "3 cm"\n[turbulence]\nsigma = "0.8 m/s"\nlength = "5 m"\nmodes = 20\n'
+    path.write_text(text)
+
+    def cloud(air, count, **options):
+        return samara.realise("immersed_body_in_gusts", LEAF, np.array([0, 0.05]), air, count, 7, **options)
+
+    def cloud_of_pipe(content, count, **options):
+        reading, writing = os.pipe()
+        os.write(writing, content.encode())
+        os.close(writing)
+        try:
+            return cloud(samara.Wind(f"/dev/fd/{reading}"), count, checkpoint=kept, **options)
+        finally:
+            os.close(reading)
+
+    def begin():
+        begun = cloud(samara.Wind(path), 1000000, checkpoint=kept, progress=lambda stage, share: not kept.exists())
+        assert begun.cancelled and kept.exists()
+        return len(begun.status)
+
+    count = begin()
+    # The same text: the checkpoint holds all that are asked for, so there is nothing left that could be cancelled.
+    resumed = cloud_of_pipe(text, count, progress=lambda stage, share: False)
+    assert not resumed.cancelled and not kept.exists()
+    np.testing.assert_array_equal(resumed.mean, cloud(samara.Wind(path), count).mean)
+    # Another text, and what the checkpoint holds does not count.
+    count = begin()
+    stronger = text.replace("4 m/s", "5 m/s")
+    other = cloud_of_pipe(stronger, count)
+    path.write_text(stronger)
+    np.testing.assert_array_equal(other.mean, cloud(samara.Wind(path), count).mean)
 
 
 FLOW = """title = "small"
