@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -11,7 +12,9 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/argument_checks.h"
+#include "samara/codebooks/book/piece_finder.h"
 #include "samara/pgd/fields/field.h"
+#include "samara/pgd/tensors/train_points.h"
 
 namespace samara::codebooks {
 
@@ -37,47 +40,117 @@ std::vector<HeldCoordinate> checked(const Codebook& book, const std::map<std::st
   return coordinates;
 }
 
-/// Whether the pieces hold the whole box but for borders. Along a coordinate it may be a single value.
-bool is_covered(const std::vector<double>& lower, const std::vector<double>& upper,
-                std::span<const Piece> pieces) {
-  std::vector<double> from(lower), to(upper);
-  for (std::size_t p = 0; p < pieces.size(); ++p) {
-    bool meets = true;
-    for (std::size_t k = 0; meets && k < lower.size(); ++k) {
-      from[k] = std::max(lower[k], pieces[p].lower()[k]);
-      to[k] = std::min(upper[k], pieces[p].upper()[k]);
-      meets = from[k] < to[k] || (lower[k] == upper[k] && from[k] == to[k]);
-    }
-    if (!meets) continue;
-    // What this piece leaves below and above it is for those after it.
-    std::vector<double> low(lower), high(upper);
-    for (std::size_t k = 0; k < lower.size(); ++k) {
-      const auto is_left = [&](double begin, double end) {
-        if (!(begin < end)) return false;
-        std::vector<double> part_low(low), part_high(high);
-        part_low[k] = begin;
-        part_high[k] = end;
-        return !is_covered(part_low, part_high, pieces.subspan(p + 1));
-      };
-      if (is_left(low[k], from[k]) || is_left(to[k], high[k])) return false;
-      low[k] = from[k];
-      high[k] = to[k];
-    }
-    return true;
+/// The box of a piece without the held coordinates.
+struct FreeBox {
+  std::vector<double> lower, upper;
+  std::vector<std::vector<double>> lists;  ///< values of those axes that are lists
+};
+
+FreeBox free_box(const Piece& piece, const std::vector<HeldCoordinate>& held, bool has_lists) {
+  FreeBox box;
+  for (std::size_t k = 0; k < piece.lower().size(); ++k) {
+    if (std::ranges::find(held, k, &HeldCoordinate::place) != held.end()) continue;
+    box.lower.push_back(piece.lower()[k]);
+    box.upper.push_back(piece.upper()[k]);
+    if (!has_lists) continue;
+    const pgd::Axis& axis = piece.groups().front().axes()[k];
+    if (axis.is_list()) box.lists.emplace_back(axis.nodes().begin(), axis.nodes().end());
   }
-  return false;
+  return box;
 }
 
-/// Whether queries at the held values come to the piece: at the border of several the first one answers.
-bool answers(const Codebook& book, std::size_t number, const std::vector<HeldCoordinate>& held) {
-  std::vector<double> lower = book.pieces()[number].lower(), upper = book.pieces()[number].upper();
-  bool is_at_border = false;
-  for (const HeldCoordinate& h : held) {
-    if (!(h.value >= lower[h.place] && h.value <= upper[h.place])) return false;
-    is_at_border = is_at_border || h.value == lower[h.place] || h.value == upper[h.place];
-    lower[h.place] = upper[h.place] = h.value;
+/// What of a box another one holds, but for borders; empty if that is nothing. Along a coordinate a box may be a single
+/// value. What boxes of different lists have in common is no box, and counts as nothing.
+std::optional<FreeBox> common_box(const FreeBox& box, const FreeBox& other) {
+  if (box.lists != other.lists) return std::nullopt;
+  FreeBox both = box;
+  for (std::size_t k = 0; k < box.lower.size(); ++k) {
+    both.lower[k] = std::max(box.lower[k], other.lower[k]);
+    both.upper[k] = std::min(box.upper[k], other.upper[k]);
+    const bool is_value = box.lower[k] == box.upper[k] && both.lower[k] == both.upper[k];
+    if (!(both.lower[k] < both.upper[k] || is_value)) return std::nullopt;
   }
-  return !is_at_border || !is_covered(lower, upper, std::span(book.pieces()).first(number));
+  return both;
+}
+
+/// Appends what of a box none of the others holds, in boxes that have borders in common at most.
+void append_rest(const FreeBox& box, std::span<const FreeBox> others, std::vector<FreeBox>& rest) {
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const std::optional<FreeBox> both = common_box(box, others[i]);
+    if (!both) continue;
+    // What lies below and above the other one is for those after it.
+    FreeBox left = box;
+    for (std::size_t k = 0; k < box.lower.size(); ++k) {
+      const auto append_part = [&](double begin, double end) {
+        if (!(begin < end)) return;
+        FreeBox part = left;
+        part.lower[k] = begin;
+        part.upper[k] = end;
+        append_rest(part, others.subspan(i + 1), rest);
+      };
+      append_part(left.lower[k], both->lower[k]);
+      append_part(both->upper[k], left.upper[k]);
+      left.lower[k] = both->lower[k];
+      left.upper[k] = both->upper[k];
+    }
+    return;
+  }
+  rest.push_back(box);
+}
+
+/// An axis of elements between two of its points: it holds the same functions there.
+pgd::Axis part_of(const pgd::Axis& axis, double lower, double upper) {
+  std::vector<double> borders = {lower};
+  for (const double border : axis.borders()) {
+    if (border > lower && border < upper) borders.push_back(border);
+  }
+  borders.push_back(upper);
+  const pgd::Axis::Label label{axis.name(), axis.unit(), axis.role(), axis.transform()};
+  const Eigen::Map<const Eigen::VectorXd> ends(borders.data(), std::ssize(borders));
+  return pgd::Axis::of_elements(label, axis.basis(), ends, axis.degree());
+}
+
+bool is_cut(const pgd::Axis& axis, const FreeBox& part, std::size_t place) {
+  return axis.lower() != part.lower[place] || axis.upper() != part.upper[place];
+}
+
+/// The same functions on a part of their box, which is cut along axes of elements.
+FieldGroup part_of(const FieldGroup& group, const FreeBox& part) {
+  std::vector<pgd::Axis> axes = group.axes();
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    if (is_cut(axes[k], part, k)) axes[k] = part_of(axes[k], part.lower[k], part.upper[k]);
+  if (const pgd::TrainField* train = group.train())
+    return pgd::TrainField(axes, train->outputs(), pgd::carried_over(train->train(), train->axes(), axes));
+  const pgd::SeparatedField& sum = *group.sum();
+  std::vector<Eigen::MatrixXd> factors = sum.factors();
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    if (is_cut(sum.axes()[k], part, k))
+      factors[k] = pgd::interpolation_matrix(sum.axes()[k], axes[k].nodes()) * factors[k];
+  }
+  return pgd::SeparatedField(std::move(axes), sum.outputs(), std::move(factors), sum.weights());
+}
+
+/// Appends the parts of a piece. It stays whole where it has a front, or an axis would have to be cut that is not made
+/// of elements.
+void append_parts(Piece piece, const std::vector<FreeBox>& parts, std::vector<Piece>& pieces) {
+  const std::vector<pgd::Axis>& axes = piece.groups().front().axes();
+  bool is_whole = true, may_be_cut = piece.front() == nullptr;
+  for (const FreeBox& part : parts) {
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+      if (!is_cut(axes[k], part, k)) continue;
+      is_whole = false;
+      may_be_cut = may_be_cut && axes[k].has_elements();
+    }
+  }
+  if (is_whole || !may_be_cut) {
+    pieces.push_back(std::move(piece));
+    return;
+  }
+  for (const FreeBox& part : parts) {
+    Piece::Groups groups;
+    for (const FieldGroup& group : piece.groups()) groups.push_back(part_of(group, part));
+    pieces.emplace_back(std::move(groups));
+  }
 }
 
 Piece restricted_piece(const Codebook& book, const Piece& piece, const std::vector<HeldCoordinate>& held) {
@@ -122,14 +195,26 @@ Piece restricted_at_front(const Codebook& book, const Piece& piece, std::vector<
 Codebook slice(const Codebook& book, const std::map<std::string, double>& held) {
   if (held.empty()) return book;
   const std::vector<HeldCoordinate> coordinates = checked(book, held);
+  std::vector<std::optional<double>> values(book.coordinates().size());
+  for (const HeldCoordinate& h : coordinates) values[h.place] = h.value;
+  const bool has_lists = std::ranges::any_of(book.pieces().front().outline().axes, &pgd::Axis::is_list);
   std::vector<Piece> pieces;
-  for (std::size_t number = 0; number < book.pieces().size(); ++number) {
-    if (!answers(book, number, coordinates)) continue;
-    const Piece& piece = book.pieces()[number];
-    pieces.push_back(piece.front() != nullptr ? restricted_at_front(book, piece, coordinates)
-                                              : restricted_piece(book, piece, coordinates));
+  std::vector<FreeBox> before;
+  for (const Piece& piece : book.pieces()) {
+    if (!holds(piece, values, !has_lists)) continue;
+    const FreeBox box = free_box(piece, coordinates, has_lists);
+    std::vector<FreeBox> parts;
+    append_rest(box, before, parts);
+    before.push_back(box);
+    if (parts.empty()) continue;
+    append_parts(piece.front() != nullptr ? restricted_at_front(book, piece, coordinates)
+                                          : restricted_piece(book, piece, coordinates),
+                 parts, pieces);
   }
-  if (pieces.empty()) throw OutsideBoxError("the slice lies in a gap between the pieces of the codebook");
+  if (pieces.empty()) {
+    throw OutsideBoxError(
+        "the slice lies in a gap between the pieces of the codebook or the values of a discrete axis");
+  }
   ModelDescription model = book.model();
   for (const HeldCoordinate& h : coordinates) {
     model.fixed[book.coordinates()[h.place].name] = h.value;

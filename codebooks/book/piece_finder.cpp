@@ -5,6 +5,16 @@
 
 namespace samara::codebooks {
 
+bool holds(const Piece& piece, std::span<const std::optional<double>> values, bool by_box) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!values[k]) continue;
+    const double x = *values[k];
+    if (x < piece.lower()[k] || x > piece.upper()[k]) return false;
+    if (!by_box && !piece.groups().front().axes()[k].contains(x)) return false;
+  }
+  return true;
+}
+
 PieceFinder::PieceFinder(const std::vector<Box>& pieces) {
   dimensions_ = pieces.empty() ? 0 : pieces.front().intervals.size();
   for (std::size_t p = 0; p < pieces.size(); ++p) {

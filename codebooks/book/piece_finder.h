@@ -1,11 +1,18 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "samara/codebooks/book/codebook.h"
 
 namespace samara::codebooks {
+
+/// Whether points with these values of some coordinates may lie in a piece: inside its box and, of lists, among their
+/// values.
+/// @param values one per coordinate, empty where it is free
+/// @param by_box whether the box says all, as no axis is a list; then the piece is not read
+bool holds(const Piece& piece, std::span<const std::optional<double>> values, bool by_box);
 
 /// Finds the piece that answers for a point: the first one that holds it. O(log pieces) where pieces are
 /// slabs of the first coordinate; does not allocate.

@@ -35,7 +35,7 @@ PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) : cho
   all_hold_the_box_ = has_one_cell_ = true;
   for (const codebooks::Piece& piece : book.pieces()) {
     const bool waits = may_wait && !piece.is_read();
-    if (!holds_what_is_fixed(piece, waits)) continue;
+    if (!holds(piece, choice_.fixed, waits)) continue;
     auto prepared = std::make_unique<Prepared>();
     prepared->source = piece;
     for (std::size_t i = 0; choice.times && i < choice.times->size(); ++i) {
@@ -49,16 +49,6 @@ PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) : cho
     if (!waits) look_at(piece_count() - 1);
   }
   finder_.emplace(boxes);
-}
-
-bool PreparedFields::holds_what_is_fixed(const codebooks::Piece& piece, bool by_box) const {
-  for (std::size_t k = 0; k < choice_.fixed.size(); ++k) {
-    if (!choice_.fixed[k]) continue;
-    const double x = *choice_.fixed[k];
-    if (x < piece.lower()[k] || x > piece.upper()[k]) return false;
-    if (!by_box && !piece.groups().front().axes()[k].contains(x)) return false;
-  }
-  return true;
 }
 
 PieceFinder::Box PreparedFields::box_of(const codebooks::Piece& piece, bool by_box) const {

@@ -109,7 +109,6 @@ class PreparedFields {
   };
 
   bool is_free(std::size_t k) const { return !choice_.fixed[k] && !(k == 0 && choice_.times); }
-  bool holds_what_is_fixed(const codebooks::Piece& piece, bool by_box) const;
   PieceFinder::Box box_of(const codebooks::Piece& piece, bool by_box) const;
   bool is_whole_box(const PieceFinder::Box& box) const;
   void look_at(int piece);

@@ -1,5 +1,7 @@
 #include "samara/codebooks/book/book_slice.h"
 
+#include <random>
+
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
@@ -24,6 +26,35 @@ double difference(const Codebook& book, const std::map<std::string, double>& hel
         std::max(largest, (values - expected).cwiseAbs().maxCoeff() / (1.0 + expected.cwiseAbs().maxCoeff()));
   }
   return largest;
+}
+
+/// One output over these axes. Nothing makes pieces of different seeds agree where they meet.
+Piece random_over(const std::vector<samara::pgd::Axis>& axes, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<Eigen::MatrixXd> factors;
+  for (const samara::pgd::Axis& axis : axes)
+    factors.push_back(Eigen::MatrixXd::NullaryExpr(axis.size(), 2, [&] { return uniform(random); }).eval());
+  const Eigen::RowVector2d weights = Eigen::RowVector2d::Ones();
+  return Piece::Groups{samara::pgd::SeparatedField(axes, {{"x", "m"}}, factors, weights)};
+}
+
+/// A random piece over intervals of t, C_D and v(0).
+Piece random_cell(const Eigen::Vector2d& t, const Eigen::Vector2d& C_D, const Eigen::Vector2d& v,
+                  unsigned seed) {
+  using samara::pgd::Axis;
+  using samara::pgd::AxisRole;
+  return random_over({Axis::radau({"t", "s", AxisRole::time}, t[0], t[1], 2, 3),
+                      Axis::chebyshev({"C_D", "1", AxisRole::parameter}, C_D[0], C_D[1], 4),
+                      Axis::p2({"v(0)", "m/s", AxisRole::initial}, v[0], v[1], 3)},
+                     seed);
+}
+
+/// The pieces, and the same as trains.
+std::vector<Codebook> of_both_kinds(const std::vector<Piece>& pieces) {
+  std::vector<Piece> trains;
+  for (const Piece& piece : pieces) trains.push_back(as_trains(piece));
+  return {Codebook(sample_model(), pieces), Codebook(sample_model(), trains)};
 }
 
 }  // namespace
@@ -69,6 +100,64 @@ TEST_CASE("at a border those pieces are sliced that queries come to, also beside
                                               random_piece({0.0, 0.5, kCellBorder, 2.0}, 3)});
   CHECK(slice(begins_late, {{"C_D", kCellBorder}}).pieces().size() == 2);
   CHECK(difference(begins_late, {{"C_D", kCellBorder}}) < 1e-12);
+}
+
+TEST_CASE("where pieces overlap, a slice answers by the piece that queries come to") {
+  // Without C_D the second piece has the lower corner.
+  const std::vector<Piece> pieces = {random_cell({0.0, 1.0}, {0.5, 1.0}, {0.2, 0.6}, 1),
+                                     random_cell({0.0, 1.0}, {0.8, 2.0}, {-0.3, 0.6}, 2)};
+  for (const Codebook& book : of_both_kinds(pieces)) {
+    CHECK(difference(book, {{"C_D", 0.9}}) < 1e-12);
+    CHECK(difference(book, {{"C_D", 1.0}}) < 1e-12);
+    CHECK(slice(book, {{"C_D", 0.7}}).pieces().size() == 1);
+    CHECK(slice(book, {{"C_D", 1.1}}).pieces().size() == 1);
+  }
+}
+
+TEST_CASE(
+    "where cells with slabs of their own meet, a slice answers as queries do, by each part of its box once") {
+  const std::vector<Piece> pieces = {random_cell({0.0, 0.3}, {0.5, 1.0}, {-0.3, 0.1}, 1),
+                                     random_cell({0.3, 1.0}, {0.5, 1.0}, {-0.3, 0.1}, 2),
+                                     random_cell({0.0, 0.4}, {0.5, 1.0}, {0.1, 0.6}, 3),
+                                     random_cell({0.4, 1.0}, {0.5, 1.0}, {0.1, 0.6}, 4),
+                                     random_cell({0.0, 1.0}, {1.0, 2.0}, {-0.3, 0.6}, 5)};
+  for (const Codebook& book : of_both_kinds(pieces)) {
+    CHECK(difference(book, {{"C_D", 1.0}}) < 1e-12);
+    double area = 0.0;
+    const Codebook part = slice(book, {{"C_D", 1.0}});
+    for (const Piece& piece : part.pieces())
+      area += (piece.upper()[0] - piece.lower()[0]) * (piece.upper()[1] - piece.lower()[1]);
+    CHECK(area == Approx(1.0 * 0.9).epsilon(1e-14));
+  }
+}
+
+TEST_CASE("a value of a list is sliced from the piece that has it") {
+  using samara::pgd::Axis;
+  using samara::pgd::AxisRole;
+  const Axis t = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 2, 3);
+  const Axis v = Axis::p1({"v(0)", "m/s", AxisRole::initial}, 0.0, 1.0, 4);
+  const Axis::Label plies{"plies", "1", AxisRole::parameter};
+  const Codebook book(sample_model(),
+                      {random_over({t, Axis::discrete(plies, Eigen::Vector2d(1.0, 4.0)), v}, 1),
+                       random_over({t, Axis::discrete(plies, Eigen::Vector2d(2.0, 3.0)), v}, 2)});
+  for (const double value : {1.0, 2.0, 3.0, 4.0}) CHECK(difference(book, {{"plies", value}}) < 1e-12);
+  CHECK_THROWS_AS(slice(book, {{"plies", 2.5}}), samara::OutsideBoxError);
+}
+
+TEST_CASE("a piece that would have to be cut along a period stays whole") {
+  using samara::pgd::Axis;
+  using samara::pgd::AxisRole;
+  const Axis t = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 2, 3);
+  const auto over = [&](double C_lower, double C_upper, double period, unsigned seed) {
+    return random_over({t, Axis::chebyshev({"C_D", "1", AxisRole::parameter}, C_lower, C_upper, 4),
+                        Axis::fourier({"angle", "rad", AxisRole::parameter}, 0.0, period, 5)},
+                       seed);
+  };
+  const Codebook book(sample_model(), {over(0.5, 1.0, 1.0, 1), over(1.0, 2.0, 2.0, 2)});
+  const Codebook part = slice(book, {{"C_D", 1.0}});
+  REQUIRE(part.pieces().size() == 2);
+  CHECK(part.pieces()[1].upper()[1] == 2.0);
+  CHECK(difference(book, {{"C_D", 1.0}}) < 1e-12);
 }
 
 TEST_CASE("a slice says what was held, and has no certificate") {

@@ -172,6 +172,30 @@ TEST_CASE("of a box in cells, integrals by parts agree with averages of random p
   }
 }
 
+TEST_CASE("held where cells with slabs of their own meet, statistics are those of what queries answer",
+          "[codebooks]") {
+  const Codebook book(sample_model(), {random_piece({0.0, kSlabBorder, 0.5, kCellBorder}, 1),
+                                       random_piece({kSlabBorder, 0.5, 0.5, kCellBorder}, 2),
+                                       random_piece({0.0, 0.5, kCellBorder, 2.0}, 3)});
+  const std::map<std::string, double> held = {{"C_D", kCellBorder}};
+  const BookStatistics s = take_statistics(book, {.fixed = held});
+  Query query(book, {.outputs = {"E"}, .fixed = held});
+  // Linear in v(0) between the nodes: the mean is that of trapezoids.
+  const Eigen::VectorXd nodes = book.pieces().front().groups().front().axes()[2].nodes();
+  for (Eigen::Index i = 0; i < s.times.size(); ++i) {
+    CHECK((i == 0 || s.times[i - 1] < s.times[i]));
+    Eigen::VectorXd value(1);
+    double mean = 0.0, before = 0.0;
+    for (Eigen::Index j = 0; j < nodes.size(); ++j) {
+      query.values(std::vector<double>{s.times[i], nodes[j]}, value);
+      if (j > 0) mean += 0.5 * (before + value[0]) * (nodes[j] - nodes[j - 1]);
+      before = value[0];
+    }
+    mean /= nodes[nodes.size() - 1] - nodes[0];
+    CHECK(of(s, book, "E").mean[i] == Approx(mean).margin(1e-12));
+  }
+}
+
 TEST_CASE("inputs that are normal together have the deviation that their covariance gives a sum",
           "[codebooks]") {
   const Codebook book = golden_book();
