@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "../io/temporary_directory.h"
 #include "flow_cases.h"
 #include "samara/flow/march/flow_checkpoint.h"
 #include "samara/flow/march/flow_run.h"
@@ -26,9 +27,10 @@ FlowCase small_square() {
   return flow;
 }
 
+/// One of its own for every test: several run at a time.
 struct RemovedFile {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / "samara_flow_test.h5";
-  ~RemovedFile() { std::filesystem::remove(path); }
+  TemporaryDirectory directory;
+  std::filesystem::path path = directory / "run.h5";
 };
 
 }  // namespace
