@@ -47,9 +47,9 @@ PolynomialSystem::PolynomialSystem(int states, int parameters, std::vector<Monom
     for (int m = 0; m < states_; ++m) {
       std::vector<int> powers = term.state_powers;
       const int exponent = powers[static_cast<std::size_t>(m)]--;
-      if (exponent > 0)
-        slopes_.push_back(
-            {term.state + states_ * m, term.coefficient * exponent, of_parameters, factors(powers)});
+      if (exponent == 0) continue;
+      slopes_.push_back(
+          {term.state + states_ * m, term.coefficient * exponent, of_parameters, factors(powers)});
     }
   }
 }

@@ -27,12 +27,6 @@ FlowCase small_square() {
   return flow;
 }
 
-/// One of its own for every test: several run at a time.
-struct RemovedFile {
-  TemporaryDirectory directory;
-  std::filesystem::path path = directory / "run.h5";
-};
-
 }  // namespace
 
 TEST_CASE("a square in a stream sheds, and its mean drag and Strouhal number are those of the model",
@@ -81,7 +75,7 @@ TEST_CASE("a circle at Re 20 comes to rest, with the bubble and no lift", "[flow
 }
 
 TEST_CASE("a run that was interrupted goes on to the same bits", "[flow]") {
-  const RemovedFile file;
+  const TemporaryDirectory directory;
   FlowCase flow = small_square();
   flow.cells_per_length = 4;
   FlowOptions options;
@@ -91,7 +85,7 @@ TEST_CASE("a run that was interrupted goes on to the same bits", "[flow]") {
   REQUIRE(whole.status == FlowStatus::averaged);
 
   // In the middle of a period, after periods were averaged.
-  options.checkpoint = file.path;
+  options.checkpoint = directory / "run.h5";
   long averaging = 0;
   const auto steps_per_time = static_cast<double>(whole.steps) / whole.time;
   options.progress = [&](const samara::Progress& progress) {
@@ -130,11 +124,11 @@ TEST_CASE("a run that was interrupted goes on to the same bits", "[flow]") {
 }
 
 TEST_CASE("a run goes on from max_time, if it is given more", "[flow]") {
-  const RemovedFile file;
+  const TemporaryDirectory directory;
   FlowOptions options;
   options.max_time = 1.5;
   const FlowResult whole = solve_flow(small_square(), options);
-  options.checkpoint = file.path;
+  options.checkpoint = directory / "run.h5";
   options.resume = true;
   options.max_time = 1.0;
   CHECK(solve_flow(small_square(), options).status == FlowStatus::max_time);
@@ -159,7 +153,7 @@ TEST_CASE("a mean that was not reached has no known error", "[flow]") {
 }
 
 TEST_CASE("a mean that begins anew is kept until the next has five periods, over interruptions", "[flow]") {
-  const RemovedFile file;
+  const TemporaryDirectory directory;
   const auto new_run = [] {
     return FlowRun({.grid = MacGrid(2, {8, 8, 1}, 0.125, Eigen::Vector3d::Zero()),
                     .borders = all_periodic(),
@@ -178,9 +172,9 @@ TEST_CASE("a mean that begins anew is kept until the next has five periods, over
   CHECK(run.mean.periods.size() == 4);
   CHECK(run.last_mean().periods.size() == 10);
   CHECK(run.last_mean().fields.time() == Approx(70.0));
-  save_checkpoint(run, file.path);
+  save_checkpoint(run, directory / "run.h5");
   FlowRun resumed = new_run();
-  REQUIRE(load_checkpoint(resumed, file.path));
+  REQUIRE(load_checkpoint(resumed, directory / "run.h5"));
   CHECK(resumed.mean.periods.size() == 4);
   CHECK(resumed.mean.fields.time() == Approx(28.0));
   CHECK(resumed.last_mean().periods.size() == 10);
