@@ -355,6 +355,7 @@ BuildResult build_of_field(const Plan& plan, const BuildOptions& options, const 
 
 /// @param function instead of the command of the plan; empty: none
 BuildResult built(const Plan& plan, const pgd::PointsFunction& function, const BuildOptions& options) {
+  check_checkpoint_path(options.checkpoint);
   // Once cancelled, always cancelled: neither solver nor certificate ask again.
   bool cancelled = false;
   ProgressCallback progress;

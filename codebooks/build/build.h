@@ -46,8 +46,8 @@ struct BuildResult {
 };
 
 /// @throws ArgumentError as Plan::parametric_model(); InputError for a checkpoint that is broken or of
-/// another plan; NoResultError if a command fails, or may not be called often enough, before there is any
-/// result, or printed more than it was asked for.
+/// another plan, and for another file in its place; NoResultError if a command fails, or may not be called
+/// often enough, before there is any result, or printed more than it was asked for.
 BuildResult build(const Plan& plan, const BuildOptions& options = {});
 
 /// The codebook of a model of your own, or any other, with its coordinates as they are fixed and free:

@@ -163,14 +163,22 @@ InputError bad_checkpoint(const std::filesystem::path& path, const std::string& 
   return InputError(path.string(), fmt::format("{}; --fresh begins anew, and removes it", reason));
 }
 
+void check_checkpoint_path(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw InputError(path.string(), "is a folder, expected a file for the checkpoint of a build");
+  if (!std::filesystem::exists(path, ignored)) return;
+  // Of a pipe nothing could be read again, and to open one may wait for ever.
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw InputError(path.string(), "is no regular file, expected one for the checkpoint of a build");
+  if (!std::filesystem::is_empty(path, ignored) && !is_journal(path))
+    throw InputError(path.string(),
+                     "this is no checkpoint, and would be lost: move it, or choose another name");
+}
+
 Checkpoint::Checkpoint(std::filesystem::path path, std::string plan)
     : path_(std::move(path)), plan_(std::move(plan)) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path_, ignored))
-    throw InputError(path_.string(), "is a folder, expected a file for the checkpoint of a build");
-  // Of a pipe nothing could be read again, and to open one may wait for ever.
-  if (std::filesystem::exists(path_, ignored) && !std::filesystem::is_regular_file(path_, ignored))
-    throw InputError(path_.string(), "is no regular file, expected one for the checkpoint of a build");
+  check_checkpoint_path(path_);
 }
 
 std::vector<double> Checkpoint::march() const {

@@ -16,6 +16,10 @@ namespace samara::codebooks {
 /// Whether there is a checkpoint; a path that the system refuses has none.
 bool is_checkpoint(const std::filesystem::path& path);
 
+/// Of a path whose file a build replaces, and removes in the end: nothing stands there, an empty file, or a
+/// checkpoint. @throws InputError if anything else does
+void check_checkpoint_path(const std::filesystem::path& path);
+
 /// Why a checkpoint cannot be taken up, and what the user can do about it.
 InputError bad_checkpoint(const std::filesystem::path& path, const std::string& reason);
 
@@ -36,7 +40,7 @@ struct CallSheet {
 class Checkpoint {
  public:
   /// Nothing is read or written yet. Several may be of one file.
-  /// @throws InputError if it is there and no regular file
+  /// @throws InputError as check_checkpoint_path()
   Checkpoint(std::filesystem::path path, std::string plan);
 
   /// The state of the march, empty if the file holds none.

@@ -78,6 +78,12 @@ int written(int file, std::string_view bytes, std::uint64_t at) {
 
 }  // namespace
 
+bool is_journal(const fs::path& path) {
+  std::string begin(kBegin.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == kBegin;
+}
+
 Journal::Journal(const fs::path& path, const std::vector<std::string>& records) : path_(path) {
   std::string bytes(kBegin);
   for (const std::string& record : records) bytes += framed(record);

@@ -12,6 +12,9 @@
 /// of one is not read, and overwritten by the next. Numbers are in the byte order of the machine.
 namespace samara::codebooks {
 
+/// Whether a file begins as one; false where it cannot be read.
+bool is_journal(const std::filesystem::path& path);
+
 class Journal {
  public:
   /// Replaces or creates the file, at once (see io::PendingFile). @throws ArgumentError if it cannot be written

@@ -20,8 +20,7 @@ struct RealisationCheckpoint {
 
 /// models::realise(), from where the same call was cancelled or killed, to the bits of an undisturbed run; it may ask
 /// for more realisations now. The checkpoint of another call is replaced.
-/// @throws ArgumentError as models::realise(), before the file is looked at; InputError if it is no regular
-/// file
+/// @throws ArgumentError as models::realise(), before the file is looked at; InputError as check_checkpoint_path()
 models::Ensemble realise(const models::ParametricModel& model, std::span<const double> point,
                          const models::AirSource& air, std::span<const double> times,
                          const models::RealiseOptions& options, const RealisationCheckpoint& checkpoint);

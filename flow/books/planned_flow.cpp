@@ -8,6 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/flow/march/flow_checkpoint.h"
 
 namespace samara::flow {
@@ -102,6 +103,7 @@ std::string checkpointed_text(const FlowPlan& plan) {
 codebooks::BuildResult run_build(
     const codebooks::BuildOptions& options,
     const std::function<codebooks::BuildResult(const codebooks::BuildOptions& options)>& build) {
+  codebooks::check_checkpoint_path(options.checkpoint);
   bool cancelled = false;
   codebooks::BuildOptions guarded = options;
   if (options.progress) {

@@ -88,7 +88,7 @@ def build(
         be told whether a function is the same, the build warns and begins anew
     :param certificate_points: in place of what the plan asks for
     :returns: a codebook also where it misses its tolerance: ``certificate.met`` says so
-    :raises InputError: for a plan that cannot be one, and a checkpoint of another plan or function
+    :raises InputError: for a plan that cannot be one, and a checkpoint of another plan or function, or a file that is none
     :raises NoResultError: where the build ends before anything is solved
     """
     definition = None if model is None else model

@@ -237,7 +237,7 @@ def realise(
     :param C_0: of the fluid seen; 0: that of the local Reynolds number
     :param body_radius: over which the body averages the fluid [m]; None: its own
     :param checkpoint: a file that keeps what is done until all is: the same call goes on from it, to the same bits, and may ask
-        for more realisations
+        for more realisations. That of another call is replaced; another file is refused
     :param progress: as of ``samara.build``; where it ends the work, the cloud holds what was done, and is ``cancelled``
     """
     info = _info(model)

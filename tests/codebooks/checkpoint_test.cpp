@@ -152,9 +152,28 @@ TEST_CASE("resuming without a checkpoint begins at the beginning") {
 
 TEST_CASE("a checkpoint that is not asked for is not taken up, but replaced and removed") {
   const TemporaryDirectory directory;
-  put_content(directory / "checkpoint", "something else");
-  check_equals_undisturbed(build(coin(), options_with(directory / "checkpoint")));
+  const fs::path checkpoint = directory / "checkpoint";
+  Checkpoint(checkpoint, "another plan").save_march({1.0});
+  check_equals_undisturbed(build(coin(), options_with(checkpoint)));
   CHECK(directory.file_count() == 0);
+  put_content(checkpoint, "");
+  check_equals_undisturbed(build(coin(), options_with(checkpoint)));
+  CHECK(directory.file_count() == 0);
+}
+
+TEST_CASE("a file that is no checkpoint is neither replaced nor removed by a build") {
+  const TemporaryDirectory directory;
+  const fs::path capture = directory / "capture.csv";
+  const Plan field = parse_plan(
+      "model = \"heat_rod\"\n[fixed]\ncapacity = 3.6e6\nlength = 0.2\n[box]\nconductivity = [15, 60]\n"
+      "[time]\nend = 600\n",
+      "field.toml");
+  for (const Plan& plan : {coin(), field}) {
+    put_content(capture, "t,z\n0,1\n");
+    CHECK_THAT(error_text<InputError>([&] { build(plan, options_with(capture)); }),
+               Contains("capture.csv: this is no checkpoint"));
+    CHECK(content(capture) == "t,z\n0,1\n");
+  }
 }
 
 TEST_CASE("a build that is cancelled leaves its checkpoint, and can be resumed") {
@@ -229,9 +248,13 @@ TEST_CASE("a checkpoint that is cut anywhere is gone on from, or refused where i
   put_content(checkpoint, whole + std::string(1000, '\0'));
   check_equals_undisturbed(resumed(checkpoint));
   const auto refusal = [&] { return error_text<InputError>([&] { resumed(checkpoint); }); };
-  for (const std::string& other : {std::string(), part(1e-3), coin_plan()}) {
+  for (const std::string& other : {std::string(), whole.substr(0, 30)}) {
     put_content(checkpoint, other);
     CHECK_THAT(refusal(), Contains("checkpoint: this is no checkpoint; --fresh begins anew"));
+  }
+  for (const std::string& other : {part(1e-3), coin_plan()}) {
+    put_content(checkpoint, other);
+    CHECK_THAT(refusal(), Contains("checkpoint: this is no checkpoint, and would be lost"));
   }
   save(four_pieces(), checkpoint);
   CHECK_THAT(refusal(), Contains("this is no checkpoint"));

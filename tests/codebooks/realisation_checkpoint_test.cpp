@@ -61,7 +61,8 @@ TEST_CASE("realisations that were cut off go on from their checkpoint to the sam
   CHECK_FALSE(std::filesystem::exists(checkpoint.file));
 }
 
-TEST_CASE("a checkpoint of realisations of another call, or no checkpoint at all, is replaced") {
+TEST_CASE(
+    "a checkpoint of realisations of another call, or an empty file, is replaced, and no file of others") {
   const TemporaryDirectory directory;
   const RealisationCheckpoint checkpoint = {.file = directory / "cloud.checkpoint", .air = "seed 7"};
   const RealiseOptions options = {.realisations = 512};
@@ -79,8 +80,12 @@ TEST_CASE("a checkpoint of realisations of another call, or no checkpoint at all
     other.air = air;
     CHECK(is_replaced(other, speed));
   }
-  put_content(checkpoint.file, "no checkpoint");
+  put_content(checkpoint.file, "");
   CHECK(is_replaced(checkpoint, 1.0));
+  put_content(checkpoint.file, "t,x,y,z\n0,1,2,3\n");
+  CHECK_THAT(error_text<samara::InputError>([&] { flown(options, checkpoint, told); }),
+             Contains("cloud.checkpoint: this is no checkpoint"));
+  CHECK(content(checkpoint.file) == "t,x,y,z\n0,1,2,3\n");
 }
 
 TEST_CASE("options of realisations that are wrong are named before a checkpoint is looked at") {

@@ -290,6 +290,7 @@ TEST_CASE("a checkpoint that is none, or holds calls of another box, is refused"
   put_content(options.checkpoint, "state");
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
              Contains("this is no checkpoint"));
+  std::filesystem::remove(options.checkpoint);
   Checkpoint(options.checkpoint, "another plan").save_calls({{{}, {1.0, 2.0}, {3.0}}});
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
              EndsWith("--fresh begins anew, and removes it"));

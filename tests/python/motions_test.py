@@ -287,6 +287,10 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
     resumed = samara.realise("immersed_body_in_gusts", LEAF, times, air, more, 7, checkpoint=kept)
     np.testing.assert_array_equal(resumed.mean, samara.realise("immersed_body_in_gusts", LEAF, times, air, more, 7).mean)
     assert not kept.exists()
+    kept.write_text("t,z\n")
+    with pytest.raises(samara.InputError, match="this is no checkpoint"):
+        samara.realise("immersed_body_in_gusts", LEAF, times, air, 64, 7, checkpoint=kept)
+    assert kept.read_text() == "t,z\n"
     # What is wrong with the call is said before a checkpoint that could be none.
     with pytest.raises(samara.ArgumentError, match='has no state "speed"'):
         samara.realise("immersed_body_in_gusts", LEAF, times, air, states=["speed"], checkpoint=tmp_path)
