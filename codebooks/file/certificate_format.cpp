@@ -103,7 +103,6 @@ Certificate read_certificate(const Hdf5Reader& file) {
   c.points = count_attribute(file, path, "points");
   c.times = count_attribute(file, path, "times");
   if (file.has_attribute(path, "places")) c.places = count_attribute(file, path, "places");
-  c.failed_points = count_attribute(file, path, "failed_points");
   if (file.has_attribute(path, "wrong_points")) {
     c.wrong_points = count_attribute(file, path, "wrong_points");
     if (*c.wrong_points > c.points || (c.met && *c.wrong_points > 0)) {
@@ -117,6 +116,12 @@ Certificate read_certificate(const Hdf5Reader& file) {
   if (file.has_attribute(path, "refuted_before"))
     c.refuted_before = count_attribute(file, path, "refuted_before");
   if (c.met && c.points == 0) throw file.error(path, "points is 0, expected at least 1 where met is 1");
+  c.failed_points = count_attribute(file, path, "failed_points");
+  if (const int most = c.met ? c.points - 1 : c.points; c.failed_points > most) {
+    throw file.error(path,
+                     fmt::format("failed_points is {}, expected at most {} of {} points where met is {}",
+                                 c.failed_points, most, c.points, c.met ? 1 : 0));
+  }
   const CertificateNumbers number{file, c.met, c.failed_points < c.points};
   c.max_error = number(path, "max_error");
   if (c.met && !(c.max_error <= c.tolerance)) {

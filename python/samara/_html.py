@@ -68,6 +68,7 @@ def codebook(book: "Codebook", outlines: list[dict[str, Any]]) -> str:
         verdict = flag(certificate.met, f"certificate {certificate.verdict if certificate.met else said}") + html.escape(
             f": largest error {certificate.max_error:.3g}, asked for {certificate.tolerance:.3g}, "
             f"at {certificate.points} points against {certificate.integrator}"
+            + (f", of which {certificate.failed_points} failed" if certificate.failed_points else "")
         )
         verdict += errors
     title = html.escape(book.title or f"Codebook of {book.model['name']}")

@@ -67,6 +67,13 @@ TEST_CASE("a certificate that contradicts itself, or has no numbers, is refused"
              StartsWith("/certificate: seed is \"x\""));
   CHECK_THAT(error_after([](Patient& file) { file.set_integer("/certificate", "points", 0); }),
              StartsWith("/certificate: points is 0, expected at least 1 where met is 1"));
+  CHECK_THAT(error_after([](Patient& file) { file.set_integer("/certificate", "failed_points", 2000); }),
+             StartsWith("/certificate: failed_points is 2000, expected at most 1999 of 2000 points"));
+  CHECK_THAT(error_after([](Patient& file) {
+               file.set_integer("/certificate", "met", 0);
+               file.set_integer("/certificate", "failed_points", 2001);
+             }),
+             StartsWith("/certificate: failed_points is 2001, expected at most 2000"));
   CHECK_THAT(error_after([](Patient& file) { file.rename("/certificate/x", "/certificate/y"); }),
              StartsWith("/certificate: is of the outputs") && Contains("those of the codebook are"));
   CHECK_THAT(error_after([](Patient& file) { file.remove("/certificate/x"); }),

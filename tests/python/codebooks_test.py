@@ -1,9 +1,11 @@
 """Codebooks as objects: what they say of themselves, their numbers, slices, pickles; what they leave in memory."""
 
+import dataclasses
 import gc
 import multiprocessing
 import pathlib
 import pickle
+import types
 
 import numpy as np
 import pytest
@@ -44,6 +46,13 @@ def test_a_notebook_shows_axes_ranks_and_the_certificate_in_green_or_red(coin):
     assert "C_D 0.6..2" in repr(coin)
     missed = samara.separate(lambda x: np.abs(x[:, 0] - 0.3), {"a": (0, 1)}, ["u"], 1e-8, max_calls=200)
     assert not missed.certificate.met and "#cf222e" in missed._repr_html_() and "MISSED" in missed._repr_html_()
+
+
+def test_a_notebook_says_how_many_points_of_a_certificate_failed(coin):
+    certificate = dataclasses.replace(coin.certificate, met=False, failed_points=3)
+    told = types.SimpleNamespace(**{name: getattr(coin, name) for name in ("coordinates", "title", "model")}, certificate=certificate)
+    assert "of which 3 failed" in samara._html.codebook(told, coin._book.outlines())
+    assert "failed" not in coin._repr_html_()
 
 
 def test_factors_evaluate_to_the_answers_and_cannot_be_written(coin):
