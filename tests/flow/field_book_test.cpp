@@ -18,6 +18,7 @@
 #include "samara/flow/books/field_flow.h"
 #include "samara/flow/books/leja_grid.h"
 #include "samara/flow/books/planned_flow.h"
+#include "tests/io/temporary_directory.h"
 
 using namespace samara;
 using namespace samara::flow;
@@ -99,10 +100,10 @@ TEST_CASE("a grid grows along the coordinate that needs it until the next node i
 TEST_CASE("an energy book takes few flows, answers as they do, and goes on from its checkpoint") {
   FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
   plan.of_fields = false;
+  const TemporaryDirectory directory;
   codebooks::BuildOptions options;
-  options.checkpoint = std::filesystem::temp_directory_path() / "samara_energy_book_test.checkpoint";
+  options.checkpoint = directory / "book.checkpoint";
   options.keep_checkpoint = true;
-  std::filesystem::remove(options.checkpoint);
   const codebooks::BuildResult result = build_energy_book(plan, options);
   INFO(result.message);
   CHECK(result.met);
@@ -156,8 +157,9 @@ TEST_CASE("an energy book takes few flows, answers as they do, and goes on from 
 
 TEST_CASE("flows on twice the cells that were found before an interruption are not solved again") {
   const FlowPlan& plan = built().plan;
+  const TemporaryDirectory directory;
   codebooks::BuildOptions options;
-  options.checkpoint = std::filesystem::temp_directory_path() / "samara_finer_book_test.checkpoint";
+  options.checkpoint = directory / "book.checkpoint";
   options.resume = true;
   std::set<std::string> flows;
   const auto flows_of = [&](std::size_t most) {
@@ -181,7 +183,6 @@ TEST_CASE("flows on twice the cells that were found before an interruption are n
   };
   checked(field_discretisation, built().result.book);
   checked(discretisation, build_energy_book(plan).book);
-  std::filesystem::remove(finer_checkpoint(options.checkpoint));
 }
 
 TEST_CASE("twice the cells lie within those that they are compared with, whatever fractions the extent has") {
@@ -194,8 +195,9 @@ TEST_CASE("twice the cells lie within those that they are compared with, whateve
 
 TEST_CASE("a book does not go on from the flows of another solver, and says so") {
   FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  const TemporaryDirectory directory;
   codebooks::BuildOptions options;
-  options.checkpoint = std::filesystem::temp_directory_path() / "samara_flow_book_test.checkpoint";
+  options.checkpoint = directory / "book.checkpoint";
   options.resume = true;
   options.progress = [](const Progress&) { return false; };
   std::string older = checkpointed_text(plan);
@@ -213,7 +215,6 @@ TEST_CASE("a book does not go on from the flows of another solver, and says so")
   codebooks::Checkpoint(options.checkpoint, checkpointed_text(plan)).save_calls({});
   CHECK_THROWS_AS(build_energy_book(plan, options), NoResultError);
   CHECK_THROWS_AS(build_field_book(plan, options), NoResultError);
-  std::filesystem::remove(options.checkpoint);
 }
 
 TEST_CASE("the build of a book that was cancelled once is not asked again, and may go on later") {
@@ -327,8 +328,9 @@ TEST_CASE("what is no flow of a codebook of fields is refused") {
   few.max_calls = 4;
   few.relative = 1e-4;
   few.certificate_points = 1;
+  const TemporaryDirectory directory;
   codebooks::BuildOptions options;
-  options.checkpoint = std::filesystem::temp_directory_path() / "samara_field_book_test.checkpoint";
+  options.checkpoint = directory / "book.checkpoint";
   const codebooks::BuildResult missed = build_field_book(few, options);
   CHECK_FALSE(missed.met);
   CHECK_FALSE(std::filesystem::exists(options.checkpoint));

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <filesystem>
 
 #include <catch2/catch.hpp>
 
@@ -7,6 +6,7 @@
 #include "samara/base/errors.h"
 #include "samara/flow/march/solve_flow.h"
 #include "samara/models/equations/time_function.h"
+#include "tests/io/temporary_directory.h"
 
 using namespace samara::flow;
 using namespace flow_cases;
@@ -233,7 +233,7 @@ TEST_CASE("openness that follows a body is that which is measured anew", "[flow]
 }
 
 TEST_CASE("a run with a moving body that was interrupted goes on to the same bits", "[flow]") {
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "samara_moving_test.h5";
+  const TemporaryDirectory directory;
   FlowOptions options;
   options.end = FlowEnd::time;
   options.max_time = 0.8;
@@ -243,7 +243,7 @@ TEST_CASE("a run with a moving body that was interrupted goes on to the same bit
   // One period fits into the second half.
   CHECK(std::isinf(whole.drag.half_width));
   CHECK(whole.checks.force_disagreement < 1e-10);
-  options.checkpoint = path;
+  options.checkpoint = directory / "moving.h5";
   options.progress = [](const samara::Progress& progress) { return progress.fraction < 0.5; };
   CHECK(solve_flow(flow, options).status == FlowStatus::cancelled);
   options.progress = {};
@@ -255,7 +255,6 @@ TEST_CASE("a run with a moving body that was interrupted goes on to the same bit
   CHECK(rest.steps == whole.steps);
   CHECK(rest.velocity == whole.velocity);
   CHECK(rest.drag.value == whole.drag.value);
-  std::filesystem::remove(path);
 }
 
 TEST_CASE("paths that no body can follow on the grid are refused", "[flow]") {

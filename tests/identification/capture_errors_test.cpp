@@ -11,14 +11,14 @@ const std::string kRows = "0,0\n1,1\n2,4\n";
 
 /// What reading a canonical table says.
 std::string table_error(const std::string& text) {
-  const TestFiles files;
+  const TemporaryDirectory files;
   return reading_error(files.put("a.csv", text));
 }
 
 /// What reading a sidecar says. The table has the columns k [frames], y [pixels] and cam.
 std::string sidecar_error(const std::string& text,
                           const std::string& table = "k,y,cam\n0,5,1\n1,7,1\n2,9,1\n") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("a.csv", table);
   return reading_error(files.put("s.toml", text));
 }
@@ -80,7 +80,7 @@ TEST_CASE("a file that is not there is named") {
 }
 
 TEST_CASE("a file that is read as a sidecar because of where it lies is said to be") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto table = files.put("card.csv", "t[s],x[m]\n" + kRows);
   files.put("card.toml", "starts = 1\nsegments = \"60 ms\"\n");
   CHECK_THAT(reading_error(table), StartsWith("card.toml:1: starts: unknown key") &&
@@ -156,7 +156,7 @@ TEST_CASE("a scale must be possible") {
 }
 
 TEST_CASE("a sidecar beside a table must not name another") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto table = files.put("a.csv", "t[s],x[m]\n" + kRows);
   files.put("a.toml", "file = \"b.csv\"\n");
   CHECK_THAT(reading_error(table), StartsWith("a.toml:1: file: names \"b.csv\""));

@@ -10,7 +10,7 @@ using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
 TEST_CASE("a canonical table is one capture, in SI units, named after its file") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto path = files.put("glide.csv",
                               "# body: card\n"
                               "t[ms],x[cm],theta [deg]\n"
@@ -33,14 +33,14 @@ TEST_CASE("a canonical table is one capture, in SI units, named after its file")
 }
 
 TEST_CASE("tabs separate as well as commas") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto captures = read_captures(files.put("a.tsv", "t[s]\tz[m]\n0\t1\n1\t2\n2\t3\n"));
   REQUIRE(captures.size() == 1);
   CHECK(captures[0].channel("z").values == Eigen::Vector3d(1.0, 2.0, 3.0));
 }
 
 TEST_CASE("a capture starts at the first frame in which everything is visible, and counts time from there") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const std::string table = "t[s],x[m],z[m]\n7,,\n8,1,\n9,2,20\n10,,\n11,4,\n12,5,50\n";
   const auto path = files.put("a.csv", table);
   const Capture capture = read_captures(path).front();
@@ -85,7 +85,7 @@ const char* const kSidecar =
 }  // namespace
 
 TEST_CASE("a sidecar groups the rows of one file into captures, wherever they stand") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("tracks.csv", kTracks);
   const auto captures = read_captures(files.put("tracks.toml", kSidecar));
   REQUIRE(captures.size() == 3);
@@ -99,7 +99,7 @@ TEST_CASE("a sidecar groups the rows of one file into captures, wherever they st
 }
 
 TEST_CASE("a scale takes each track from pixels to metres by its own span") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("tracks.csv", kTracks);
   const std::string scale = "[scale]\nx = { length = \"40 cm\", over = \"largest - first\" }\n";
   const auto captures = read_captures(files.put("tracks.toml", std::string(kSidecar) + scale));
@@ -112,7 +112,7 @@ TEST_CASE("a scale takes each track from pixels to metres by its own span") {
 }
 
 TEST_CASE("a scale may be given as a value, negative where pixels count against the axis") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("tracks.csv", kTracks);
   const std::string scale = "[scale]\nx = { value = \"-0.5 mm/px\" }\n";
   const auto captures = read_captures(files.put("tracks.toml", std::string(kSidecar) + scale));
@@ -120,7 +120,7 @@ TEST_CASE("a scale may be given as a value, negative where pixels count against 
 }
 
 TEST_CASE("a span may go from the smallest value") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("dip.csv", "t[s],x[px]\n0,20\n1,10\n2,60\n");
   const auto path = files.put(
       "dip.toml", "file = \"dip.csv\"\n[scale]\nx = { length = \"1 m\", over = \"largest - smallest\" }\n");
@@ -128,7 +128,7 @@ TEST_CASE("a span may go from the smallest value") {
 }
 
 TEST_CASE("`where` keeps the rows with the allowed cells") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("tracks.csv", kTracks);
   const std::string text = kSidecar;
   const std::string head = text.substr(0, text.find("[columns]"));
@@ -141,7 +141,7 @@ TEST_CASE("`where` keeps the rows with the allowed cells") {
 }
 
 TEST_CASE("a table is read through the sidecar of the same stem beside it") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto table = files.put("tracks.csv", kTracks);
   files.put("tracks.toml", kSidecar);
   CHECK(read_captures(table).size() == 3);
@@ -154,7 +154,7 @@ TEST_CASE("a table is read through the sidecar of the same stem beside it") {
 }
 
 TEST_CASE("a sidecar may leave the columns to a canonical header, labels without units included") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("a.csv", "run,t[s],x[m]\n1,0,0\n1,1,1\n1,2,2\n2,0,5\n2,1,6\n2,2,7\n");
   const auto captures = read_captures(files.put("a.toml", "file = \"a.csv\"\ngroup_by = [\"run\"]\n"));
   REQUIRE(captures.size() == 2);
@@ -162,7 +162,7 @@ TEST_CASE("a sidecar may leave the columns to a canonical header, labels without
 }
 
 TEST_CASE("frame rates are read with and without a unit") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("a.csv", "t[frame],x[m]\n10,0\n11,1\n12,2\n");
   for (const char* rate : {"25", "\"25 Hz\"", "\"25 1/s\"", "\"25 frame/s\""}) {
     const auto path = files.put("a.toml", std::string("file = \"a.csv\"\nframe_rate = ") + rate + "\n");

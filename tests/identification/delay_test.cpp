@@ -304,7 +304,7 @@ TEST_CASE("the file of a fit has its delays, and predictions find those of captu
     const auto drawn = std::ranges::find(result.posterior->unknowns, "delay", &PosteriorUnknown::name);
     REQUIRE(drawn != result.posterior->unknowns.end());
     CHECK_THAT(drawn->mean, WithinAbs(0.013, 1e-3));
-    const TestFiles files;
+    const TemporaryDirectory files;
     const FitResult read = read_fit(files.put("fit.json", fit_json(result)));
     CHECK(shared_of(read, "delay").value == shared_of(result, "delay").value);
     const std::vector left_out = {late_capture("d", 0.013)};

@@ -224,13 +224,13 @@ TEST_CASE("a fit of old and new captures has the errors that its design expected
   CHECK(std::isnan(design.random_error));
 
   SECTION("and where it is read from its file") {
-    const TestFiles files;
+    const TemporaryDirectory files;
     const FitResult read = read_fit(files.put("fit.json", fit_json(before)));
     CHECK(design_json(assess_releases(family, read, release)).substr(0, 600) ==
           design_json(design).substr(0, 600));
   }
   SECTION("and from a file without setup and naive covariance") {
-    const TestFiles files;
+    const TemporaryDirectory files;
     nlohmann::json older = nlohmann::json::parse(fit_json(before));
     older.erase("setup");
     older.erase("naive_covariance");

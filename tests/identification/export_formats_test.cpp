@@ -22,7 +22,7 @@ using Names = std::vector<std::string>;
 }  // namespace
 
 TEST_CASE("a Tracker export is a capture in the unit that the sidecar names") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("drop.txt",
             "mass_A\n"
             "t\tx\ty\tv_{x}\n"
@@ -50,7 +50,7 @@ TEST_CASE("a Tracker export is a capture in the unit that the sidecar names") {
 }
 
 TEST_CASE("decimal commas of a Tracker export are understood, and errors name its own lines") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const std::string sidecar = "file = \"ball.csv\"\nlength_unit = \"m\"\n";
   files.put("ball.csv", "Ball 1;;\nt;x;y\n0,0;1,5;-2,5E-1\n0,1;2,5;0\n0,2;3,5;0\n");
   const auto path = files.put("ball.toml", sidecar);
@@ -61,7 +61,7 @@ TEST_CASE("decimal commas of a Tracker export are understood, and errors name it
 }
 
 TEST_CASE("a Tracker export of several masses is a capture for each") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("two.txt",
             "#multi:\n"
             "\tcm A\t\tcm B\t\t\n"
@@ -108,7 +108,7 @@ std::string motive_export(const std::string& row_names, const std::string& extra
 }  // namespace
 
 TEST_CASE("a rigid body of a Motive export has a pose named like the states of a model, z up") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const bool is_new = GENERATE(false, true);
   const std::string extra = is_new ? ",ID,7,7,7,7,7,7,7,7,8,8,8\n,Parent,,,,,,,,,,,\n" : "";
   const auto captures = read_captures(files.put("take.csv", motive_export(is_new ? "yes" : "", extra)));
@@ -134,7 +134,7 @@ TEST_CASE("a rigid body of a Motive export has a pose named like the states of a
 }
 
 TEST_CASE("a sidecar decides what a Motive export leaves open") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("take.csv", motive_export("", ""));
   SECTION("which axis is up") {
     const Capture card = read_captures(files.put("take.toml", "up = \"z\"\nfile = \"take.csv\"\n")).front();
@@ -155,7 +155,7 @@ TEST_CASE("a sidecar decides what a Motive export leaves open") {
 }
 
 TEST_CASE("markers are captures where a Motive export has no rigid body") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto captures = read_captures(files.put(
       "take.csv",
       "Format Version,1.24,Take Name,t,Length Units,Centimeters\n\n"
@@ -170,7 +170,7 @@ TEST_CASE("markers are captures where a Motive export has no rigid body") {
 }
 
 TEST_CASE("a Motive export that cannot be read says why") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto error = [&](const std::string& text) { return reading_error(files.put("a.csv", text)); };
   CHECK(error("Format Version,1.23,Length Units,Meters\n1,2\n") ==
         "a.csv: a Motive export without its header \"Frame,Time (Seconds),...\"");
@@ -186,7 +186,7 @@ TEST_CASE("a Motive export that cannot be read says why") {
 }
 
 TEST_CASE("rows of an export that are too short are counted, and told of") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("drop.txt", "mass_A\nt,x,y\n0,1,2\n0.1,1.1,\n0.2,1.2\n0.3\n0.4,1.5,2\n0.5,1.6,2\n");
   const Capture drop =
       read_captures(files.put("drop.toml", "file = \"drop.txt\"\nlength_unit = \"m\"\n")).front();
@@ -195,7 +195,7 @@ TEST_CASE("rows of an export that are too short are counted, and told of") {
 }
 
 TEST_CASE("a Kinovea table is a capture for each point, with decimal commas or points") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const std::string sidecar = "file = \"kinovea.csv\"\nlength_unit = \"cm\"\ntime_unit = \"ms\"\n";
   const auto path = files.put("kinovea.toml", sidecar);
   files.put("kinovea.csv",
@@ -225,7 +225,7 @@ TEST_CASE("a Kinovea table is a capture for each point, with decimal commas or p
 }
 
 TEST_CASE("Kinovea's text for gnuplot is a capture for each track, by its name or number") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto path =
       files.put("tracks.toml",
                 "file = \"tracks.txt\"\nlength_unit = \"px\"\ntime_unit = \"ms\"\n[scale]\nx = { value = \"1 "
@@ -277,7 +277,7 @@ TEST_CASE("Kinovea's text for gnuplot is a capture for each track, by its name o
 }
 
 TEST_CASE("a track of Kinovea may have a name that looks like a comparison") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const auto path =
       files.put("tracks.toml", "file = \"tracks.txt\"\nlength_unit = \"m\"\ntime_unit = \"ms\"\n");
   files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n\n# <ball\n0 1 2\n20 3 4\n40 5 6\n\n");

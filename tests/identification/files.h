@@ -1,43 +1,12 @@
 #pragma once
 
-#include <cstdlib>
+#include <exception>
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 #include <string>
-#include <system_error>
 
-#include <unistd.h>
-
+#include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
 #include "samara/identification/captures/capture_file.h"
-
-/// A new directory for the files of one test, removed with them at the end of its scope.
-class TestFiles {
- public:
-  TestFiles() {
-    std::string name = (std::filesystem::temp_directory_path() / "samara-identification-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error(name);
-    path_ = name;
-  }
-  TestFiles(const TestFiles&) = delete;
-  TestFiles& operator=(const TestFiles&) = delete;
-  ~TestFiles() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  const std::filesystem::path& path() const { return path_; }
-
-  /// Writes a file and returns its path.
-  std::filesystem::path put(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// What an expected error says, without the directory of its file; where there was none, or one of another
 /// kind, the text says that instead.

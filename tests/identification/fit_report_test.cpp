@@ -30,7 +30,7 @@ FitResult example() {
 }  // namespace
 
 TEST_CASE("coefficients are read from the JSON of a fit to the last bit") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   FitResult result = example();
   result.captures[0].file = "coins.csv";
   result.noise = {{.outputs = {"x"}, .unit = "m", .value = 4e-4, .estimated = true}};
@@ -56,7 +56,7 @@ TEST_CASE("coefficients are read from the JSON of a fit to the last bit") {
 }
 
 TEST_CASE("the status is read from the JSON of a fit, also in the words of older files") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   nlohmann::json json = nlohmann::json::parse(fit_json(example()));
   const auto status_of = [&](const char* word) {
     json["status"] = word;
@@ -70,7 +70,7 @@ TEST_CASE("the status is read from the JSON of a fit, also in the words of older
 }
 
 TEST_CASE("how captures were seen is read from the JSON of a fit, or told from its captures") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   FitResult result = example();
   result.setup.camera = {.scale = 0.02, .axes = {"x"}};
   result.setup.priors.coordinates["v(0)"] = {.mean = 0.1, .deviation = 0.05};

@@ -37,7 +37,7 @@ std::string table(bool goes_on) {
   return text;
 }
 
-Capture read(const TestFiles& files, const std::string& name, bool goes_on) {
+Capture read(const TemporaryDirectory& files, const std::string& name, bool goes_on) {
   files.put(name + ".csv", table(goes_on));
   const auto sidecar =
       files.put(name + ".toml", fmt::format("file = \"{}.csv\"\n[columns]\n"
@@ -59,7 +59,7 @@ FitOptions held_drag() {
 }  // namespace
 
 TEST_CASE("frames after the origin of a forecast change no bit of it, from file to prediction") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const Capture back = read(files, "back", false), on = read(files, "on", true);
   // Cleaned with all frames they differ in what was seen: this is what may not show.
   const auto left_out = [](const Capture& capture) {
@@ -265,7 +265,7 @@ TEST_CASE("a mixture that training taught nothing, or of nearer frames alone, is
 }
 
 TEST_CASE("no later frame changes a bit of what any predictor says, mixtures and distributions among them") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   const BrakedFamily family;
   const FitOptions options = held_drag();
   const PredictionOptions prediction{.span = kSpan, .ahead = kAhead};

@@ -91,13 +91,13 @@ int fuzz(const std::string& kind, int count, const std::shared_ptr<const Codeboo
   int failures = 0;
   double slowest = 0.0;
   // Each in a folder of its own, sound but for one file at a time.
-  std::vector<TestFiles> files(inputs.size());
+  std::vector<TemporaryDirectory> files(inputs.size());
   for (std::size_t k = 0; k < inputs.size(); ++k)
     for (const auto& [name, text] : inputs[k].files) files[k].put(name, text);
   for (int trial = 0; trial < count; ++trial) {
     const Mutation mutation = mutation_of(inputs, trial);
     const auto& [name, sound] = inputs[mutation.input].files[mutation.file];
-    const TestFiles& folder = files[mutation.input];
+    const TemporaryDirectory& folder = files[mutation.input];
     folder.put(name, mutation.text);
     const auto begin = std::chrono::steady_clock::now();
     std::string failure;

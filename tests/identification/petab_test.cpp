@@ -20,7 +20,7 @@ constexpr double kDecayRate = 0.8;
 
 /// v' = -rate v: v = v(0) exp(-rate t).
 struct DecayProblem {
-  TestFiles files;
+  TemporaryDirectory files;
   std::string model;
   std::string parameters =
       "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\n"

@@ -25,7 +25,7 @@ Quaterniond attitude(const Capture& capture, Eigen::Index frame) {
 
 TEST_CASE("Euler angles become a quaternion, and the world turns z up") {
   // Roll, pitch, yaw of a craft in axes forward, right, down.
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("pose.csv",
             "p1,p2,p3,roll,pitch,yaw\n"
             "1,2,-3,10,20,30\n"
@@ -61,7 +61,7 @@ TEST_CASE("Euler angles become a quaternion, and the world turns z up") {
 }
 
 TEST_CASE("every axis can be up") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("p.csv", "t[s],x[m],y[m],z[m]\n0,1,2,3\n1,1,,3\n2,1,2,3\n");
   const auto turned = [&](const std::string& up) -> Vector3d {
     const Capture c = read_captures(files.put("p.toml", "file = \"p.csv\"\nup = \"" + up + "\"\n")).front();
@@ -82,7 +82,7 @@ TEST_CASE("every axis can be up") {
 }
 
 TEST_CASE("many files without a header, with labels from an index") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("002.csv", "0.000;1\n0.007;2\n0.007;9\n0.014;3\n0.021;4\n");
   files.put("010.csv", "0.000;5\n0.007;6\n0.014;7\n");
   files.put("index.tsv", "flight\tspin\n2\t150\n11\t90\n");
@@ -106,7 +106,7 @@ TEST_CASE("many files without a header, with labels from an index") {
 }
 
 TEST_CASE("a capture is read from a time until a time") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("a.csv", "t[s],x[m]\n1,10\n2,20\n3,30\n4,40\n5,50\n6,60\n");
   const Capture part =
       read_captures(files.put("a.toml", "file = \"a.csv\"\nfrom = \"2 s\"\nuntil = \"4500 ms\"\n")).front();
@@ -117,7 +117,7 @@ TEST_CASE("a capture is read from a time until a time") {
 }
 
 TEST_CASE("captures are chosen by labels, by their length, and end where they leave an interval") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   std::string table = "drop,t[s],z[m]\n";
   for (int drop = 1; drop <= 3; ++drop) {
     for (int k = 0; k < 4 + drop; ++k) table += fmt::format("{},{},{}\n", drop, 0.1 * k, 1.0 - 0.2 * k);
@@ -140,7 +140,7 @@ TEST_CASE("captures are chosen by labels, by their length, and end where they le
 }
 
 TEST_CASE("a frame period is a quantity like others, and one of another camera is refused") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   std::string table = "t[s],z[m]\n";
   for (int k = 0; k < 20; ++k) table += fmt::format("{:.3f},{}\n", 6.932e-3 * k, 1.0 - 0.02 * k);
   files.put("ball.csv", table);
@@ -158,7 +158,7 @@ TEST_CASE("a frame period is a quantity like others, and one of another camera i
 }
 
 TEST_CASE("pieces between long gaps belong to one motion") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   std::string table = "t[s],z[m]\n";
   for (int k = 0; k < 40; ++k) {
     if (k < 12 || k > 20) table += fmt::format("{},{}\n", 0.01 * k, 1.0 - 0.02 * k);
@@ -191,7 +191,7 @@ TEST_CASE("pieces between long gaps belong to one motion") {
 }
 
 TEST_CASE("a sidecar can ask for cleaning") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   std::string table = "t[s],x[m],y[m],z[m]\n";
   for (int k = 0; k < 60; ++k) {
     const double t = 0.0069 * k;
@@ -221,7 +221,7 @@ TEST_CASE("a sidecar can ask for cleaning") {
 }
 
 TEST_CASE("keys of a sidecar that make no sense are refused where they stand") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("a.csv", "t[s],x[m],a\n0,1,2\n1,1,2\n2,2,2\n");
   const auto error = [&](const std::string& text) {
     return reading_error(files.put("a.toml", "file = \"a.csv\"\n" + text));
@@ -240,7 +240,7 @@ TEST_CASE("keys of a sidecar that make no sense are refused where they stand") {
 }
 
 TEST_CASE("an angle that goes around its circle loses no frame to the search for outliers") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   std::string table = "t[s],theta[deg],side[deg]\n";
   for (int k = 0; k < 60; ++k) {
     // Some noise, or rounding would be all there is to judge by. The sides of a plate look alike.
@@ -258,7 +258,7 @@ TEST_CASE("an angle that goes around its circle loses no frame to the search for
 }
 
 TEST_CASE("options of outliers without outliers, and two rows of labels for a capture, are refused") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("x.csv", "t[s],x[m]\n0,0\n1,1\n2,4\n");
   CHECK(reading_error(files.put("a.toml", "file = \"x.csv\"\n[clean]\nwindow = \"0.1 s\"\n")) ==
         "a.toml:3: [clean] window: belongs to `outliers`, which is not there");
@@ -270,7 +270,7 @@ TEST_CASE("options of outliers without outliers, and two rows of labels for a ca
 }
 
 TEST_CASE("the files behind a capture are its tables, its sidecar and its labels") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   for (const char* name : {"a1.csv", "a2.csv"}) files.put(name, "t[s],x[m]\n0,0\n1,1\n2,4\n");
   const auto sidecar =
       files.put("a.toml", "file = \"a?.csv\"\n[labels]\nfile = \"index.csv\"\ncolumn = \"name\"\n");
@@ -285,7 +285,7 @@ TEST_CASE("the files behind a capture are its tables, its sidecar and its labels
 }
 
 TEST_CASE("a sidecar turns one axis, its velocity with it, and what else it names") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("drop.csv", "t[s],x[m],z[m],vz[m/s],theta[rad]\n0,1,2,3,0.5\n1,2,4,3,0.6\n2,3,6,3,0.7\n");
   const auto path = files.put("drop.toml", "flip = [\"z\", \"theta\"]\n");
   const Capture drop = read_captures(files.path() / "drop.csv").front();
@@ -306,7 +306,7 @@ TEST_CASE("a sidecar turns one axis, its velocity with it, and what else it name
 }
 
 TEST_CASE("a sidecar names the decimal sign, and one without a table says how it is given") {
-  const TestFiles files;
+  const TemporaryDirectory files;
   files.put("drop.csv", "t[s];x[m]\n0;1,5\n0,1;2,5\n0,2;3\n");
   CHECK(
       read_captures(files.path() / "drop.csv").front().channel("x").values.isApprox(Vector3d(1.5, 2.5, 3.0)));

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/io/text_file.h"
+#include "temporary_directory.h"
 
 using samara::ArgumentError;
 using samara::io::AnimatedScene;
@@ -97,17 +97,16 @@ TEST_CASE("what is no scene is refused") {
 }
 
 TEST_CASE("a scene is written as the ending of the file's name says, and not under another") {
-  const auto folder = std::filesystem::temp_directory_path();
+  const TemporaryDirectory directory;
   for (const char* ending : {".glb", ".usda"}) {
-    const auto file = folder / (std::string("samara_scene_test") + ending);
+    const auto file = directory / (std::string("scene") + ending);
     REQUIRE(samara::io::is_scene_name(file));
     samara::io::write_scene(file, scene());
     const std::string expected =
         std::string(ending) == ".glb" ? samara::io::format_glb(scene()) : samara::io::format_usda(scene());
     CHECK(samara::io::read_text_file(file) == expected);
-    std::filesystem::remove(file);
   }
-  const auto table = folder / "samara_scene_test.csv";
+  const auto table = directory / "scene.csv";
   CHECK_FALSE(samara::io::is_scene_name(table));
   CHECK_THROWS_AS(samara::io::write_scene(table, scene()), ArgumentError);
 }

@@ -10,11 +10,15 @@
 
 #include <unistd.h>
 
+inline void put_content(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
 /// A new directory for the files of one test, removed with them at the end of its scope.
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "samara-io-XXXXXX").string();
+    std::string name = (std::filesystem::temp_directory_path() / "samara-test-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
     path_ = name;
   }
@@ -27,6 +31,11 @@ class TemporaryDirectory {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  /// Writes a file of the directory, and returns its path.
+  std::filesystem::path put(const std::string& name, const std::string& text) const {
+    put_content(path_ / name, text);
+    return path_ / name;
+  }
   std::ptrdiff_t file_count() const {
     return std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator());
   }
@@ -38,8 +47,4 @@ class TemporaryDirectory {
 inline std::string content(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return std::string(std::istreambuf_iterator<char>(stream), {});
-}
-
-inline void put_content(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
 }

@@ -1,6 +1,5 @@
 /// Tangents of planned falls from a codebook.
 #include <cmath>
-#include <filesystem>
 
 #include <catch2/catch.hpp>
 
@@ -11,6 +10,7 @@
 #include "samara/codebooks/plan/plan.h"
 #include "samara/motion/planning/fall_tangents.h"
 #include "samara/motion/planning/planner.h"
+#include "tests/io/temporary_directory.h"
 
 using namespace samara::motion;
 using namespace samara::models;
@@ -112,9 +112,8 @@ TEST_CASE(
   plan.search.sweeps = 2;
   plan.codebook = plate_windows();
   const MotionResult whole = plan_motion(plan);
-  const auto folder = std::filesystem::temp_directory_path();
-  const auto part = folder / "samara_refining.part", file = folder / "samara_windows.h5";
-  std::filesystem::remove(part);
+  const TemporaryDirectory directory;
+  const auto part = directory / "refining.part", file = directory / "windows.h5";
   samara::codebooks::save(*plan.codebook, file);
   plan.codebook = std::make_shared<const samara::codebooks::Codebook>(samara::codebooks::load(file));
   MotionPlan coarser = plan, without = plan;
@@ -141,7 +140,6 @@ TEST_CASE(
   CHECK(parts.book->windows == whole.book->windows);
   CHECK(parts.book->served == whole.book->served);
   CHECK(parts.book->asked == whole.book->asked);
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("outside the box of a codebook tangents are those of the steps") {

@@ -10,6 +10,7 @@
 #include "samara/motion/sweeps/phase_diagram.h"
 #include "samara/motion/sweeps/refining.h"
 #include "samara/motion/sweeps/sweep_file.h"
+#include "tests/io/temporary_directory.h"
 
 using namespace samara::motion;
 
@@ -129,15 +130,14 @@ TEST_CASE("a refined grid runs only what lies between different labels") {
 }
 
 TEST_CASE("a refined sweep knows the round of each of its points, and goes on after the last that was kept") {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path();
-  const std::filesystem::path file = folder / "samara_rounds.h5", part = folder / "samara_rounds.part";
+  const TemporaryDirectory directory;
+  const std::filesystem::path file = directory / "rounds.h5", part = directory / "rounds.part";
   const std::string from = "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]";
   for (const bool is_grid : {true, false}) {
     const SweepPlan plan =
         is_grid ? plates("[refine]\nrounds = 2\n")
                 : plates("[sample]\ncount = 40\nseed = 3\n[refine]\nrounds = 2\n", from,
                          "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
-    std::filesystem::remove(part);
     const Sweep begun = run_sweep(plan, {.checkpoint = part}).sweep;
     Sweep whole = begun, halted = begun;
     REQUIRE(refine_by_plan(plan, {}, whole).complete);

@@ -42,6 +42,5 @@ inline samara::motion::Sketch slanted_sketch(double height) {
 inline samara::motion::MotionSequence read_text(
     const std::string& text, const samara::motion::MotionDatabase* database = plate_motions().get()) {
   const auto root = samara::io::TomlTable::parse("[sequence]\n" + text, "motion.toml");
-  return samara::motion::read_sequence(root.table("sequence"), std::filesystem::temp_directory_path(),
-                                       database);
+  return samara::motion::read_sequence(root.table("sequence"), std::filesystem::path(), database);
 }

@@ -14,6 +14,7 @@
 #include "samara/motion/planning/planning_state.h"
 #include "samara/motion/planning/window_search.h"
 #include "samara/motion/planning/windows.h"
+#include "tests/io/temporary_directory.h"
 
 using namespace samara::motion;
 
@@ -134,8 +135,8 @@ TEST_CASE("a search that is interrupted again and again comes to the same motion
   plan.sketch = slanted_sketch(40.0);
   plan.sequence = read_text("length = 5\nseed = 3");
   const MotionResult whole = plan_motion(plan);
-  const auto part = std::filesystem::temp_directory_path() / "samara_planning.part";
-  std::filesystem::remove(part);
+  const TemporaryDirectory directory;
+  const auto part = directory / "planning.part";
   int interruptions = 0;
   MotionResult parts;
   do {
@@ -188,7 +189,8 @@ TEST_CASE("the identity of a plan changes with the times of its sketch and the k
 TEST_CASE("a checkpoint whose numbers lead out of its lists is damaged") {
   const MotionPlan plan = sequence_plan();
   const PlannedFall fall(plan);
-  const auto part = std::filesystem::temp_directory_path() / "samara_damaged_planning.part";
+  const TemporaryDirectory directory;
+  const auto part = directory / "planning.part";
   PlanningState whole;
   whole.beam = BeamState::from(fall.release());
   whole.beam.rounds.push_back(whole.beam.rounds.front());
@@ -222,5 +224,4 @@ TEST_CASE("a checkpoint whose numbers lead out of its lists is damaged") {
     INFO(k);
     CHECK_THROWS_WITH(loaded(changes[k]), Catch::Contains("does not hold a search"));
   }
-  std::filesystem::remove(part);
 }

@@ -1,8 +1,6 @@
 /// Kinds and patterns that a fall is asked to have, and what they are drawn from.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include <catch2/catch.hpp>
@@ -13,14 +11,16 @@
 #include "samara/motion/planning/motion_judgement.h"
 #include "samara/motion/planning/plan_checks.h"
 #include "samara/motion/planning/planner.h"
+#include "tests/io/temporary_directory.h"
 
 using namespace samara::motion;
 
 namespace {
 
-std::string named_file(const std::string& name, const std::string& text) {
-  std::ofstream(std::filesystem::temp_directory_path() / name) << text;
-  return name;
+/// A file of the tests below, by its path.
+std::string path_of(const std::string& name, const std::string& text) {
+  static const TemporaryDirectory directory;
+  return directory.put(name, text).string();
 }
 
 }  // namespace
@@ -80,8 +80,8 @@ TEST_CASE("patterns are told by what the motion shows, stretch by stretch") {
 
 TEST_CASE("patterns of a film of places alone are looked for in the places of the fall alone") {
   const auto film = [](const std::string& seen) {
-    return named_file("places.json", R"({"schema": "samara-patterns/1", "captures": [{"id": "a", )" + seen +
-                                         R"("windows": [{"pattern": "zigzag", "windows": 40}]}]})");
+    return path_of("places.json", R"({"schema": "samara-patterns/1", "captures": [{"id": "a", )" + seen +
+                                      R"("windows": [{"pattern": "zigzag", "windows": 40}]}]})");
   };
   MotionPlan plan = sequence_plan(120.0);
   plan.database = plate_motions();
@@ -103,8 +103,8 @@ TEST_CASE("a fall that is asked to be likely is likelier under the chain than on
   MotionPlan plan = sequence_plan(100.0);
   // A chain that swings to and fro, as zigzags do.
   const std::string zigzags =
-      named_file("zigzags.json",
-                 R"({"schema": "samara-chain/1", "symbols": ["swing-", "swing+", "turn-", "turn+"],
+      path_of("zigzags.json",
+              R"({"schema": "samara-chain/1", "symbols": ["swing-", "swing+", "turn-", "turn+"],
           "counts": [[0, 90, 0, 0], [90, 0, 0, 0], [45, 45, 0, 0], [45, 45, 0, 0]]})");
   plan.sequence = read_text("chain = \"" + zigzags + "\"\nweight = 1e-6", nullptr);
   const double careless = plan_motion(plan).sequence->log_likelihood;
@@ -116,8 +116,8 @@ TEST_CASE("a fall that is asked to be likely is likelier under the chain than on
 }
 
 TEST_CASE("chains come from films, from counts and from databases; what is none is refused") {
-  const std::string film = named_file("film.json",
-                                      R"({"schema": "samara-patterns/1", "captures": [{"id": "a", "windows": [
+  const std::string film = path_of("film.json",
+                                   R"({"schema": "samara-patterns/1", "captures": [{"id": "a", "windows": [
           {"pattern": "zigzag", "windows": 40}, {"pattern": "unresolved"}, {"pattern": "chaotic", "windows": 40}]}]})");
   const MotionSequence drawn = read_text("chain = \"" + film + "\"\nlength = 30\nseed = 2\nevents = 3");
   REQUIRE(drawn.segments.size() == 90);
@@ -129,9 +129,9 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   }
   CHECK(changes <= 6);  // windows last, as they do in the film
   CHECK(drawn.seed == 2u);
-  const std::string counts = named_file(
-      "counts.json",
-      R"({"schema": "samara-chain/1", "symbols": ["turn+", "swing-"], "counts": [[0, 9], [9, 0]]})");
+  const std::string counts =
+      path_of("counts.json",
+              R"({"schema": "samara-chain/1", "symbols": ["turn+", "swing-"], "counts": [[0, 9], [9, 0]]})");
   const MotionSequence alternating = read_text("chain = \"" + counts + "\"\nlength = 12\nseed = 5", nullptr);
   int turns = 0;
   for (const AskedSegment& segment : alternating.segments)
@@ -155,11 +155,11 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   refuses("chain = \"" + film + "\"", "length");
   refuses("chain = \"" + film + "\"\nlength = 60000", "asks for 120000 segments, 2 of each pattern");
   const auto film_of = [](const std::string& first, const std::string& second) {
-    return named_file("counted.json",
-                      R"({"schema": "samara-patterns/1", "captures": [
+    return path_of("counted.json",
+                   R"({"schema": "samara-patterns/1", "captures": [
           {"id": "a", "windows": [{"pattern": "zigzag", "windows": )" +
-                          first + R"(}]}, {"id": "b", "windows": [{"pattern": "chaotic", "windows": )" +
-                          second + "}]}]}");
+                       first + R"(}]}, {"id": "b", "windows": [{"pattern": "chaotic", "windows": )" + second +
+                       "}]}]}");
   };
   const auto of_film = [](const std::string& file) { return "chain = \"" + file + "\"\nlength = 2"; };
   for (const char* count : {"0", "1.5", "-2"})
@@ -169,10 +169,10 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   refuses(of_film(film_of("10000000", "1")),
           "windows of its captures count for 10000001 or more in all, expected at most 10000000");
   CHECK(read_text(of_film(film_of("200000", "1"))).segments.size() == 4);
-  refuses("chain = \"" + named_file("odd.json", "{}") + "\"\nlength = 2", "is no chain");
-  refuses("chain = \"" + named_file("odd.json", R"({"schema": "samara-chain/1", "symbols": 3})") +
-              "\"\nlength = 2",
-          "is damaged");
+  refuses("chain = \"" + path_of("odd.json", "{}") + "\"\nlength = 2", "is no chain");
+  refuses(
+      "chain = \"" + path_of("odd.json", R"({"schema": "samara-chain/1", "symbols": 3})") + "\"\nlength = 2",
+      "is damaged");
 }
 
 TEST_CASE("the dissertation's chain of patterns is drawn from, and ends in zigzag") {
@@ -261,9 +261,8 @@ TEST_CASE("a sketch that rises as no fall does, or above the release, is refused
 
 TEST_CASE("a steady stretch cuts what a motion is priced by, as it cuts the sequences of chains") {
   MotionPlan plan = sequence_plan();
-  const std::string zigzags =
-      named_file("alternating.json",
-                 R"({"schema": "samara-chain/1", "counts": [[0, 90, 0, 0], [90, 0, 0, 0],
+  const std::string zigzags = path_of("alternating.json",
+                                      R"({"schema": "samara-chain/1", "counts": [[0, 90, 0, 0], [90, 0, 0, 0],
           [45, 45, 0, 0], [45, 45, 0, 0]], "symbols": ["swing-", "swing+", "turn-", "turn+"]})");
   plan.sequence = read_text("chain = \"" + zigzags + "\"", nullptr);
   const PlannedFall fall(plan);
@@ -304,8 +303,8 @@ TEST_CASE("a steady stretch cuts what a motion is priced by, as it cuts the sequ
 }
 
 TEST_CASE("a plan names all files that it reads, its model and its chain as well") {
-  const auto folder = std::filesystem::temp_directory_path();
-  const std::string model = named_file("sinker.toml", R"(name = "sinker"
+  const TemporaryDirectory folder;
+  const auto model = folder.put("sinker.toml", R"(name = "sinker"
 [states]
 x = { initial = 0 }
 y = { initial = 0 }
@@ -323,14 +322,13 @@ vx = "-C_T*vx"
 vy = "-1 - C_T*vy"
 w = "-C_T*w"
 )");
-  const std::string chain =
-      named_file("sinker.json", R"({"schema": "samara-chain/1", "counts": [[0, 9], [9, 0]],
+  const auto chain = folder.put("sinker.json", R"({"schema": "samara-chain/1", "counts": [[0, 9], [9, 0]],
           "symbols": ["turn+", "swing-"]})");
-  const MotionPlan plan =
-      parse_motion_plan("model = \"" + model + "\"\n[release]\nheight = 20\n[box]\n" +
-                            "C_T = [0.8, 1.4]\n[sequence]\nlength = 3\nchain = \"" + chain + "\"\n",
-                        (folder / "motion.toml").string());
-  CHECK(plan.files == std::vector<std::string>{(folder / model).string(), (folder / chain).string()});
+  const MotionPlan plan = parse_motion_plan(
+      "model = \"sinker.toml\"\n[release]\nheight = 20\n[box]\n"
+      "C_T = [0.8, 1.4]\n[sequence]\nlength = 3\nchain = \"sinker.json\"\n",
+      (folder / "motion.toml").string());
+  CHECK(plan.files == std::vector<std::string>{model.string(), chain.string()});
 }
 
 TEST_CASE("bodies that do not come down, and databases of others, are refused before the search") {
@@ -347,11 +345,9 @@ TEST_CASE("bodies that do not come down, and databases of others, are refused be
   refuses("density = 1200", "density = 0.5", "does not begin to sink");
   refuses("tilt = 0.2", "axis = 0.2", "which is missing");
   refuses("[landing]\nx = 0\ny = 0\n", "", "[sequence] too");
-  named_file("early.csv", "t,x,y,z\n-2,0,0,2\n-1,0,0,0\n");
-  refuses(
-      "[landing]",
-      "[path]\nfile = \"" + (std::filesystem::temp_directory_path() / "early.csv").string() + "\"\n[landing]",
-      "ends at the time -1");
+  refuses("[landing]",
+          "[path]\nfile = \"" + path_of("early.csv", "t,x,y,z\n-2,0,0,2\n-1,0,0,0\n") + "\"\n[landing]",
+          "ends at the time -1");
   MotionPlan plan = sequence_plan();
   plan.database = plate_motions();
   plan.fixed["inertia_ratio"] = 1.4;
