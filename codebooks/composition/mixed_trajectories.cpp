@@ -63,7 +63,7 @@ Cover cover_of(const Codebook& book, const models::FamilyInfo& direct) {
 void check_held(const Codebook& book, const models::FamilyInfo& direct) {
   for (const auto& [name, value] : book.model().fixed) {
     const bool is_place = std::ranges::any_of(
-        direct.translations, [&](const std::string& output) { return output + "(0)" == name; });
+        direct.translations, [&name = name](const std::string& output) { return output + "(0)" == name; });
     if (is_place) continue;
     const auto held = direct.fixed.find(name);
     if (held != direct.fixed.end() && std::abs(held->second - value) <= 1e-12 * std::abs(value)) continue;
