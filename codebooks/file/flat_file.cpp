@@ -12,6 +12,8 @@
 #include <span>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "samara/codebooks/book/attitude_length.h"
 #include "samara/io/atomic_file.h"
 
@@ -217,8 +219,7 @@ void put_finder(FlatWords& file, const Codebook& book) {
     borders.push_back(piece.upper().front());
   }
   std::ranges::sort(borders);
-  const auto repeated = std::ranges::unique(borders);
-  borders.erase(repeated.begin(), repeated.end());
+  borders.erase(std::unique(borders.begin(), borders.end()), borders.end());
   std::vector<std::uint64_t> starts = {0}, candidates;
   for (const double border : borders) {
     for (std::size_t p = 0; p < book.pieces().size(); ++p) {

@@ -62,7 +62,7 @@ void read_body(const TomlTable& root, const BodyReader& body_reader, Plan& plan)
   }
   for (const auto& [name, value] : parameters) {
     const bool is_free =
-        std::ranges::any_of(plan.box, [&](const BoxEntry& entry) { return entry.name == name; });
+        std::ranges::any_of(plan.box, [&name = name](const BoxEntry& entry) { return entry.name == name; });
     if (is_free || !plan.fixed.emplace(name, value).second) continue;
     plan.of_body[name] = value;
   }

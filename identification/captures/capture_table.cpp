@@ -58,7 +58,8 @@ Rows selected_rows(const io::DelimitedTable& table, const Sidecar& sidecar) {
       throw sidecar.error("where", column,
                           fmt::format("no row of \"{}\" has \"{}\" there", table.file(), value));
     }
-    std::erase_if(rows, [&](std::size_t row) { return !is_allowed(cells[row], allowed); });
+    std::erase_if(rows,
+                  [&cells, &allowed = allowed](std::size_t row) { return !is_allowed(cells[row], allowed); });
   }
   return rows;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include <fmt/format.h>
+
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/attitude_length.h"
 #include "samara/codebooks/certify/certify.h"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"

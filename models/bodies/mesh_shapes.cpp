@@ -124,7 +124,7 @@ class BoxGrid {
   /// symmetries of the box.
   void add_faces(int axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const auto [cu, cv] = std::pair(static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+    const auto cu = static_cast<std::size_t>(u), cv = static_cast<std::size_t>(v);
     const auto ca = static_cast<std::size_t>(axis);
     for (const bool low : {true, false}) {
       for (int i = 0; i < cells_[cu]; ++i) {

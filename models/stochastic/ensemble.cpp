@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <ranges>
 #include <utility>
 
+#include <boost/iterator/counting_iterator.hpp>
 #include <boost/math/special_functions/beta.hpp>
 
 #include "samara/models/stochastic/ensemble_sums.h"
@@ -33,12 +33,12 @@ double binomial_below(long k, long n, double share) {
 /// The second may be n, the first -1: no value of the sample is so far out.
 std::pair<long, long> quantile_ranks(long n, double share) {
   // Value j lies above the quantile where at most j values lie below it.
-  const auto ranks = std::views::iota(0L, n);
+  const boost::counting_iterator<long> begin(0), end(n);
   const auto lower =
-      std::ranges::partition_point(ranks, [&](long j) { return binomial_below(j, n, share) <= 0.025; });
+      std::partition_point(begin, end, [&](long j) { return binomial_below(j, n, share) <= 0.025; });
   const auto upper =
-      std::ranges::partition_point(ranks, [&](long j) { return 1.0 - binomial_below(j, n, share) > 0.025; });
-  return {lower - ranks.begin() - 1, upper - ranks.begin()};
+      std::partition_point(begin, end, [&](long j) { return 1.0 - binomial_below(j, n, share) > 0.025; });
+  return {*lower - 1, *upper};
 }
 
 }  // namespace

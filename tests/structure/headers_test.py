@@ -1,5 +1,5 @@
 """Fails if an installed header includes a third-party library other than Eigen or a header of ours that is not installed,
-or if a source has no header of its own name."""
+if a source has no header of its own name, or if one uses fmt that only the precompiled headers include."""
 
 import pathlib
 import re
@@ -30,6 +30,21 @@ for room in ["base", "pgd", "models", "io", "codebooks", "flow", "identification
         name = file.relative_to(root)
         if str(name.parent) not in ALL_OF_ONE_KIND and not name.match(STRATEGIES) and not file.with_suffix(".h").exists():
             wrong.append(f"{name} has no header of its own name")
+
+
+def includes_fmt(file, depth=1):
+    text = file.read_text()
+    if "#include <fmt/" in text:
+        return True
+    named = [name.removeprefix("samara/") for name in re.findall(r'^#include "([^"]+)"', text, re.M)]
+    found = [path for name in named for path in (root / name, file.parent / name) if path.is_file()]
+    return depth > 0 and any(includes_fmt(path, depth - 1) for path in found)
+
+
+for room in ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion", "apps", "python", "tests", "benchmarks"]:
+    for file in sorted((root / room).rglob("*.cpp")):
+        if "fmt::" in file.read_text() and not includes_fmt(file):
+            wrong.append(f"{file.relative_to(root)} uses fmt and does not include it")
 wrong += [f"{place}: {header} is not installed" for place, header in asked if header not in installed]
 print("\n".join(wrong) or f"{len(installed)} installed headers, third-party includes: Eigen only")
 sys.exit(1 if wrong or not installed else 0)
