@@ -1,5 +1,7 @@
 #include "samara/codebooks/book/sobol_points.h"
 
+#include <algorithm>
+
 #include <boost/random/sobol.hpp>
 
 #include "samara/pgd/tensors/random.h"
@@ -30,17 +32,20 @@ std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
 }  // namespace
 
 Eigen::MatrixXd sobol_points(int dimensions, int count, std::uint64_t seed) {
-  boost::random::sobol engine(static_cast<std::size_t>(dimensions));
+  constexpr int kMost = boost::random::default_sobol_table::max_dimension;
+  const int sobol = std::min(dimensions, kMost);
+  boost::random::sobol engine(static_cast<std::size_t>(sobol));
   pgd::Random random(seed);
-  Eigen::Array<std::uint32_t, Eigen::Dynamic, 1> seeds(dimensions);
-  for (int k = 0; k < dimensions; ++k) seeds[k] = static_cast<std::uint32_t>(random.bits() >> 32);
+  Eigen::Array<std::uint32_t, Eigen::Dynamic, 1> seeds(sobol);
+  for (int k = 0; k < sobol; ++k) seeds[k] = static_cast<std::uint32_t>(random.bits() >> 32);
   Eigen::MatrixXd points(dimensions, count);
   for (int j = 0; j < count; ++j) {
-    for (int k = 0; k < dimensions; ++k) {
+    for (int k = 0; k < sobol; ++k) {
       // The engine leaves out the first point, the origin; only with it are 2^m points evenly spread.
       const auto bits = j == 0 ? 0u : static_cast<std::uint32_t>(engine() >> 32);
       points(k, j) = scrambled(bits, seeds[k]) * 0x1.0p-32;
     }
+    for (int k = sobol; k < dimensions; ++k) points(k, j) = random.uniform();
   }
   return points;
 }

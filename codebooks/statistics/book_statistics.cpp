@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <span>
 
@@ -81,10 +82,14 @@ void check(const Codebook& book, const StatisticsRequest& request, BookStatistic
     throw ArgumentError("the codebook has no free parameter to take statistics over");
   for (const auto& [name, distribution] : request.inputs)
     check_distribution(coordinate_of(book, name), distribution, result);
+  std::set<double> shares;
   for (const double share : request.quantiles) {
     if (!(share > 0.0 && share < 1.0))
       throw ArgumentError(
-          fmt::format("a quantile is asked for at {}, expected a share between 0 and 1", share));
+          fmt::format("a quantile is asked for at {}, expected a share above 0 and below 1", share));
+    if (!shares.insert(share).second)
+      throw ArgumentError(
+          fmt::format("the quantile at {} is asked for twice, expected each share once", share));
   }
   constexpr int kFewest = 100, kMost = 10'000'000;
   require(request.draws >= kFewest && request.draws <= kMost, "draws", request.draws,
@@ -181,11 +186,26 @@ Eigen::VectorXd times_of(const Codebook& book) {
   return Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
 }
 
-/// The probability of a piece among those at its times.
-double share_of(const Codebook& book, const Piece& piece, const StatisticsRequest& request) {
+/// Of the values of a list, the part that a piece has, by their weights.
+double share_of_list(const ListValues& list, const pgd::Axis& axis) {
+  double share = 0.0, all = 0.0;
+  for (Eigen::Index i = 0; i < list.values.size(); ++i) {
+    all += list.weights[i];
+    if (axis.contains(list.values[i])) share += list.weights[i];
+  }
+  return share / all;
+}
+
+/// The probability of a piece, without time, among those beside it. @param lists as of list_values()
+double share_of(const Codebook& book, const Piece& piece, const std::vector<std::optional<ListValues>>& lists,
+                const StatisticsRequest& request) {
   double share = 1.0;
-  for (std::size_t k = book.has_time() ? 1 : 0; k < book.coordinates().size(); ++k) {
-    const Coordinate& box = book.coordinates()[k];
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    if (lists[k]) {
+      share *= share_of_list(*lists[k], piece.groups().front().axes()[k]);
+      continue;
+    }
+    const Coordinate& box = book.parameters()[k];
     const auto given = request.inputs.find(box.name);
     const Distribution distribution = given != request.inputs.end()
                                           ? given->second
@@ -196,31 +216,15 @@ double share_of(const Codebook& book, const Piece& piece, const StatisticsReques
   return share;
 }
 
-/// The pieces that answer at a time, one per cell: of those that meet there the lower one, which comes first.
-std::vector<const Piece*> cells_at(const Codebook& book, double t) {
-  std::vector<const Piece*> cells;
-  const std::ptrdiff_t first = book.has_time() ? 1 : 0;
-  for (const Piece& piece : book.pieces()) {
-    const auto is_same_cell = [&](const Piece* other) {
-      return std::equal(piece.lower().begin() + first, piece.lower().end(), other->lower().begin() + first) &&
-             std::equal(piece.upper().begin() + first, piece.upper().end(), other->upper().begin() + first);
-    };
-    if (first == 1 && (t < piece.lower()[0] || t > piece.upper()[0])) continue;
-    if (std::ranges::none_of(cells, is_same_cell)) cells.push_back(&piece);
-  }
-  return cells;
-}
-
 /// Of all outputs at one time.
 struct Moments {
   Eigen::VectorXd mean, variance;
 };
 
-Moments moments_of(const Piece& piece, const std::string& time, double t, const StatisticsRequest& request) {
+Moments moments_of(const Piece& piece, const StatisticsRequest& request) {
   Moments moments;
   for (const FieldGroup& field : piece.groups()) {
-    const pgd::Field now = time.empty() ? field : pgd::restricted(field, time, t);
-    const pgd::Statistics s = pgd::statistics(now, options_of(now, request));
+    const pgd::Statistics s = pgd::statistics(field, options_of(field, request));
     append(moments.mean, s.mean.transpose(), 0);
     append(moments.variance, s.variance.transpose(), 0);
   }
@@ -233,19 +237,21 @@ void take_of_cells(const Codebook& book, const StatisticsRequest& request, BookS
   if (!request.groups.empty())
     throw ArgumentError("the box of the codebook is split into cells, which have no indices of groups");
   if (book.has_time()) result.times = times_of(book);
-  const std::string time = book.has_time() ? book.coordinates().front().name : "";
+  const std::vector<std::optional<ListValues>> lists = list_values(book, {});
   const Eigen::Index rows = std::max<Eigen::Index>(result.times.size(), 1);
   for (OutputStatistics& output : result.outputs)
     output.mean = output.deviation = Eigen::VectorXd::Zero(rows);
   constexpr double kNegligible = 1e-14;
+  bool some_overlap = false;
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const double t = book.has_time() ? result.times[i] : 0.0;
+    const std::vector<Piece> cells = book.has_time() ? pieces_at(book, result.times[i]) : book.pieces();
+    some_overlap = some_overlap || pieces_overlap(cells);
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(book.output_count()), variance = mean;
     double weight = 0.0;
-    for (const Piece* piece : cells_at(book, t)) {
-      const double share = share_of(book, *piece, request), before = weight;
+    for (const Piece& cell : cells) {
+      const double share = share_of(book, cell, lists, request), before = weight;
       if (share < kNegligible) continue;
-      const Moments moments = moments_of(*piece, time, t, request);
+      const Moments moments = moments_of(cell, request);
       weight += share;
       // Of two parts with weights a and b: (a V_1 + b V_2)/(a + b) + a b/(a + b)^2 (m_1 - m_2)^2.
       const Eigen::VectorXd apart = moments.mean - mean;
@@ -253,12 +259,25 @@ void take_of_cells(const Codebook& book, const StatisticsRequest& request, BookS
                  before * share / (weight * weight) * apart.cwiseAbs2();
       mean += share / weight * apart;
     }
+    if (!(weight > 0.0)) {
+      const std::string at = book.has_time()
+                                 ? fmt::format(" at {} = {}{}", book.coordinates().front().name,
+                                               result.times[i], unit_suffix(book.coordinates().front().unit))
+                                 : "";
+      throw ArgumentError(fmt::format(
+          "less than {:g} of the distribution of the inputs lies in pieces of the codebook{}, expected more",
+          kNegligible, at));
+    }
     for (std::size_t o = 0; o < result.outputs.size(); ++o) {
       result.outputs[o].mean[i] = mean[static_cast<Eigen::Index>(o)];
       result.outputs[o].deviation[i] = std::sqrt(variance[static_cast<Eigen::Index>(o)]);
     }
   }
   result.notes.push_back("the box is split into cells: mean and deviation only, no Sobol' indices");
+  if (some_overlap)
+    result.notes.push_back(
+        "pieces overlap where a period or the nodes of a mesh cannot be cut: what they share counts more "
+        "than once");
 }
 
 /// An error of the field moves its indices by about twice its share of the deviation. Where the deviation is not so
@@ -321,7 +340,7 @@ BookStatistics take_statistics(const Codebook& book, const StatisticsRequest& re
     take_of_draws(book, request, result);
     return result;
   }
-  const Codebook free = slice(book, request.fixed);
+  const Codebook free = request.fixed.empty() ? with_pieces_apart(book) : slice(book, request.fixed);
   if (are_whole(free)) {
     take_of_slabs(free, request, result);
   } else {

@@ -13,7 +13,8 @@
 
 /// What a codebook says of uncertain inputs: mean, deviation, Sobol' indices and quantiles of its outputs, over time.
 /// Means, deviations and indices are integrals of the separated form (pgd/fields/statistics.h); quantiles come from
-/// draws, at which it is evaluated.
+/// draws, at which it is evaluated. Where pieces overlap, the one that queries come to counts. Of a list, the values of
+/// all pieces count alike, nodes of a mesh by their areas.
 ///
 /// Usage:
 ///   BookStatistics s = take_statistics(book, {.inputs = {{"C_D", {DistributionKind::normal, 1.1, 0.05}}},
@@ -25,7 +26,7 @@ namespace samara::codebooks {
 struct JointNormal {
   std::vector<std::string> inputs;
   Eigen::VectorXd mean;        ///< SI
-  Eigen::MatrixXd covariance;  ///< inputs x inputs, positive semidefinite
+  Eigen::MatrixXd covariance;  ///< inputs x inputs, symmetric, positive semidefinite
 };
 
 struct StatisticsRequest {
@@ -64,8 +65,9 @@ struct BookStatistics {
 };
 
 /// @throws ArgumentError for a name that is no coordinate, or is given twice; time among the inputs; no input left;
-///   numbers without meaning; a distribution of which less than half lies inside the box; a value outside it
-///   (OutsideBoxError)
+///   numbers without meaning; a distribution of which less than half lies inside the box, or nothing in its pieces;
+///   a value outside it (OutsideBoxError); a coordinate that is a list in one piece and an interval in another; pieces
+///   that overlap as with_pieces_apart() refuses
 BookStatistics take_statistics(const Codebook& book, const StatisticsRequest& request = {});
 
 }  // namespace samara::codebooks

@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 #include "samara/pgd/axes/axis_transform.h"
 
 namespace samara::codebooks {
@@ -159,9 +160,9 @@ pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& a
     if (distribution.kind == DistributionKind::normal && distribution.second < least)
       throw ArgumentError(fmt::format("the deviation of {} of \"{}\" is below rounding; a value was expected",
                                       to_string(distribution), axis.name()));
-    throw ArgumentError(
-        fmt::format("none of the distribution {} lies within \"{}\", which goes from {} to {} {}",
-                    to_string(distribution), axis.name(), axis.lower(), axis.upper(), axis.unit()));
+    throw ArgumentError(fmt::format(
+        "none of the distribution {} lies within \"{}\", which goes from {} to {}{}", to_string(distribution),
+        axis.name(), axis.lower(), axis.upper(), unit_suffix(axis.unit())));
   }
   rule.weights /= sum;
   return rule;

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/book/argument_checks.h"
+#include "samara/codebooks/book/piece_finder.h"
 #include "samara/codebooks/book/sobol_points.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
@@ -20,15 +21,57 @@ namespace {
 /// Most numbers of the answers that are kept at a time.
 constexpr Eigen::Index kMostNumbers = 16'000'000;
 
-/// F with F F^T = covariance. @throws ArgumentError if it is none
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+/// Standard deviations of the inputs. @throws ArgumentError for a matrix that is no covariance to look at
+Eigen::VectorXd deviations_of(const JointNormal& joint) {
+  const Eigen::MatrixXd& covariance = joint.covariance;
+  const auto name = [&](Eigen::Index k) { return joint.inputs[static_cast<std::size_t>(k)]; };
+  for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
+    const double variance = covariance(k, k);
+    if (!(variance >= 0.0) || !std::isfinite(variance))
+      throw ArgumentError(
+          fmt::format("the covariance of the inputs gives \"{}\" the variance {}, expected a finite number "
+                      "of at least 0",
+                      name(k), variance));
+  }
+  const Eigen::VectorXd deviations = covariance.diagonal().cwiseSqrt();
+  // What is left of symmetry by the inverse of an ill-conditioned matrix.
+  constexpr double kRoundOff = 1e-6;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double lower = covariance(i, j), upper = covariance(j, i), size = deviations[i] * deviations[j];
+      if (size == 0.0 && (lower != 0.0 || upper != 0.0))
+        throw ArgumentError(
+            fmt::format("\"{}\" and \"{}\" have the covariance {}, expected 0 beside a variance of 0",
+                        name(j), name(i), lower != 0.0 ? lower : upper));
+      if (!(std::abs(lower - upper) <= kRoundOff * size))
+        throw ArgumentError(fmt::format(
+            "\"{}\" and \"{}\" have the covariance {} above the diagonal and {} below it, expected "
+            "the same finite number",
+            name(j), name(i), upper, lower));
+    }
+  }
+  return deviations;
+}
+
+/// F with F F^T = covariance. The root is taken of correlations, as round-off of eigenvalues is relative to the largest
+/// one: of variances in SI units it would cover small ones.
+/// @throws ArgumentError if it is none
+Eigen::MatrixXd root_of(const JointNormal& joint) {
+  const Eigen::VectorXd deviations = deviations_of(joint);
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(deviations.size(), deviations.size());
+  for (Eigen::Index i = 0; i < deviations.size(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      if (deviations[i] == 0.0 || deviations[j] == 0.0) continue;
+      const double both = 0.5 * (joint.covariance(i, j) + joint.covariance(j, i));
+      correlation(i, j) = correlation(j, i) = both / deviations[i] / deviations[j];
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
   const Eigen::VectorXd& values = solver.eigenvalues();
   constexpr double kRoundOff = 1e-10;
-  if (solver.info() != Eigen::Success || !covariance.allFinite() ||
-      values.minCoeff() < -kRoundOff * std::max(values.maxCoeff(), 0.0))
+  if (solver.info() != Eigen::Success || values.minCoeff() < -kRoundOff * values.maxCoeff())
     throw ArgumentError("the covariance of the inputs has a negative variance, expected a covariance");
-  return solver.eigenvectors() * values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return deviations.asDiagonal() * solver.eigenvectors() * values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// The value below which lies `share` of what is inside the box.
@@ -42,14 +85,13 @@ double value_inside(const Distribution& distribution, const Coordinate& box, dou
   return std::clamp(quantile_of(distribution, total), box.lower, box.upper);
 }
 
-/// Of a list of values, which count by their weights: nodes of a mesh by their areas.
-double value_of_list(const pgd::Axis& axis, double share) {
-  double left = share * axis.weights().sum();
-  for (int i = 0; i + 1 < axis.size(); ++i) {
-    left -= axis.weights()[i];
-    if (left < 0.0) return axis.nodes()[i];
+double value_of_list(const ListValues& list, double share) {
+  double left = share * list.weights.sum();
+  for (Eigen::Index i = 0; i + 1 < list.values.size(); ++i) {
+    left -= list.weights[i];
+    if (left < 0.0) return list.values[i];
   }
-  return axis.nodes()[axis.size() - 1];
+  return list.values[list.values.size() - 1];
 }
 
 /// Of sorted values, by linear interpolation between them.
@@ -74,7 +116,52 @@ Eigen::MatrixXd answers_at(const Codebook& book, std::span<const double> times,
   return values;
 }
 
+/// Axes of those pieces that hold the values, without time.
+std::vector<std::vector<pgd::Axis>> axes_of_pieces(const Codebook& book,
+                                                   const std::map<std::string, double>& fixed) {
+  std::vector<std::optional<double>> held(book.coordinates().size());
+  for (const auto& [name, value] : fixed) held[static_cast<std::size_t>(book.coordinate_index(name))] = value;
+  std::vector<std::vector<pgd::Axis>> all;
+  for (const Piece& piece : book.pieces()) {
+    if (!holds(piece, held, false)) continue;
+    all.push_back(piece.outline().axes);
+    if (book.has_time()) all.back().erase(all.back().begin());
+  }
+  if (all.empty())
+    throw OutsideBoxError(
+        "the held values lie in a gap between the pieces of the codebook or the values of a discrete axis");
+  return all;
+}
+
 }  // namespace
+
+std::vector<std::optional<ListValues>> list_values(const Codebook& book,
+                                                   const std::map<std::string, double>& fixed) {
+  std::vector<std::optional<ListValues>> lists(book.parameters().size());
+  if (std::ranges::none_of(book.pieces().front().outline().axes, &pgd::Axis::is_list)) return lists;
+  const std::vector<std::vector<pgd::Axis>> pieces = axes_of_pieces(book, fixed);
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    std::map<double, double> weights;
+    for (const std::vector<pgd::Axis>& axes : pieces) {
+      if (axes[k].is_list() != pieces.front()[k].is_list())
+        throw ArgumentError(
+            fmt::format("\"{}\" is a list of values in one piece of the codebook and an interval in another, "
+                        "expected one of the two",
+                        axes[k].name()));
+      // The first piece that has a value says what it counts.
+      for (int i = 0; axes[k].is_list() && i < axes[k].size(); ++i)
+        weights.emplace(axes[k].nodes()[i], axes[k].weights()[i]);
+    }
+    if (weights.empty()) continue;
+    lists[k] = ListValues{Eigen::VectorXd(std::ssize(weights)), Eigen::VectorXd(std::ssize(weights))};
+    Eigen::Index place = 0;
+    for (const auto& [value, weight] : weights) {
+      lists[k]->values[place] = value;
+      lists[k]->weights[place++] = weight;
+    }
+  }
+  return lists;
+}
 
 InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
   const std::span<const Coordinate> coordinates = book.parameters();
@@ -87,7 +174,7 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
   };
   if (request.joint) {
     const JointNormal& joint = *request.joint;
-    const Eigen::MatrixXd root = root_of(joint.covariance);
+    const Eigen::MatrixXd root = root_of(joint);
     Eigen::MatrixXd normal(root.cols(), request.draws);
     for (Eigen::Index k = 0; k < normal.rows(); ++k) {
       normal.row(k) =
@@ -101,6 +188,7 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
       draws.points.row(find(joint.inputs[static_cast<std::size_t>(k)])) = values.row(k);
   }
   const std::vector<pgd::Axis> axes = book.pieces().front().outline().axes;
+  const std::vector<std::optional<ListValues>> lists = list_values(book, request.fixed);
   for (Eigen::Index k = 0; k < dimensions; ++k) {
     const Coordinate& box = coordinates[static_cast<std::size_t>(k)];
     const pgd::Axis& axis = axes[static_cast<std::size_t>(k + first)];
@@ -118,8 +206,8 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
     const Distribution distribution = given != request.inputs.end()
                                           ? given->second
                                           : Distribution{DistributionKind::uniform, box.lower, box.upper};
-    if (axis.is_list()) {
-      row = row.unaryExpr([&](double share) { return value_of_list(axis, share); });
+    if (const std::optional<ListValues>& list = lists[static_cast<std::size_t>(k)]) {
+      row = row.unaryExpr([&](double share) { return value_of_list(*list, share); });
     } else {
       row = row.unaryExpr([&](double share) { return value_inside(distribution, box, share); });
     }

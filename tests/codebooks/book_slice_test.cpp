@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "../error_text.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
 #include "sample_books.h"
@@ -142,6 +143,103 @@ TEST_CASE("a value of a list is sliced from the piece that has it") {
                        random_over({t, Axis::discrete(plies, Eigen::Vector2d(2.0, 3.0)), v}, 2)});
   for (const double value : {1.0, 2.0, 3.0, 4.0}) CHECK(difference(book, {{"plies", value}}) < 1e-12);
   CHECK_THROWS_AS(slice(book, {{"plies", 2.5}}), samara::OutsideBoxError);
+}
+
+TEST_CASE("where lists overlap, the later piece keeps the values that no earlier one has") {
+  using samara::pgd::Axis;
+  using samara::pgd::AxisRole;
+  const Axis t = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 2, 3);
+  const Axis C_D = Axis::chebyshev({"C_D", "1", AxisRole::parameter}, 0.0, 1.0, 4);
+  const Axis v = Axis::p1({"v(0)", "m/s", AxisRole::initial}, 0.0, 1.0, 4);
+  const Axis::Label plies{"plies", "1", AxisRole::parameter};
+  const std::vector<Piece> pieces = {
+      random_over({t, C_D, Axis::discrete(plies, Eigen::Vector2d(1.0, 2.0)), v}, 1),
+      random_over({t, C_D, Axis::discrete(plies, Eigen::Vector3d(2.0, 3.0, 4.0)), v}, 2)};
+  for (const Codebook& book : of_both_kinds(pieces)) {
+    const std::map<std::string, double> held = {{"C_D", 0.5}};
+    const Codebook part = slice(book, held);
+    REQUIRE(part.pieces().size() == 2);
+    CHECK(part.pieces()[1].groups().front().axes()[1].nodes() == Eigen::Vector2d(3.0, 4.0));
+    Query query(part), whole(book, {.fixed = held});
+    Eigen::VectorXd value(1), expected(1);
+    for (const double listed : {1.0, 2.0, 3.0, 4.0}) {
+      query.values({{0.7, listed, 0.3}}, value);
+      whole.values({{0.7, listed, 0.3}}, expected);
+      CHECK(value[0] == Approx(expected[0]).margin(1e-12));
+    }
+  }
+}
+
+TEST_CASE("pieces apart hold each part of the box once, and answer as queries do where they overlapped") {
+  const std::vector<Piece> pieces = {random_cell({0.0, 1.0}, {0.5, 1.2}, {-0.3, 0.6}, 1),
+                                     random_cell({0.0, 1.0}, {1.0, 2.0}, {-0.3, 0.6}, 2),
+                                     random_cell({0.5, 1.5}, {0.5, 2.0}, {-0.3, 0.6}, 3)};
+  for (const Codebook& book : of_both_kinds(pieces)) {
+    CHECK(pieces_overlap(book.pieces()));
+    const Codebook apart = with_pieces_apart(book);
+    CHECK_FALSE(pieces_overlap(apart.pieces()));
+    double volume = 0.0;
+    for (const Piece& piece : apart.pieces()) {
+      double part = 1.0;
+      for (std::size_t k = 0; k < 3; ++k) part *= piece.upper()[k] - piece.lower()[k];
+      volume += part;
+    }
+    CHECK(volume == Approx(1.5 * 1.5 * 0.9).epsilon(1e-14));
+    Query query(apart), whole(book);
+    Eigen::VectorXd value(1), expected(1);
+    const Eigen::MatrixXd points = random_points(book, 200, 3);
+    for (Eigen::Index j = 0; j < points.cols(); ++j) {
+      query.values(point(points, j), value);
+      whole.values(point(points, j), expected);
+      CHECK(value[0] == Approx(expected[0]).margin(1e-12));
+    }
+  }
+}
+
+TEST_CASE("pieces that do not overlap are apart as they are") {
+  for (const Codebook& book : {four_pieces(), golden_front(), all_kinds()}) {
+    const Codebook apart = with_pieces_apart(book);
+    REQUIRE(apart.pieces().size() == book.pieces().size());
+    for (std::size_t p = 0; p < book.pieces().size(); ++p)
+      CHECK(&apart.pieces()[p].groups() == &book.pieces()[p].groups());
+  }
+}
+
+TEST_CASE("at a time, pieces hold each part of the box once, also where slabs meet") {
+  const Codebook book(sample_model(), {random_cell({0.0, 1.0}, {0.5, 1.0}, {-0.3, 0.6}, 1),
+                                       random_cell({0.0, 1.0}, {1.0, 2.0}, {-0.3, 0.6}, 2),
+                                       random_cell({1.0, 2.0}, {0.5, 1.3}, {-0.3, 0.6}, 3),
+                                       random_cell({1.0, 2.0}, {1.3, 2.5}, {-0.3, 0.6}, 4)});
+  const auto lengths_at = [&](double time) {
+    std::vector<double> lengths;
+    for (const Piece& piece : pieces_at(book, time))
+      lengths.push_back(piece.upper().front() - piece.lower().front());
+    return lengths;
+  };
+  CHECK(lengths_at(0.5) == std::vector<double>{0.5, 1.0});
+  CHECK(lengths_at(1.0) == std::vector<double>{0.5, 1.0, 0.5});
+  CHECK(lengths_at(1.5) == std::vector<double>{1.3 - 0.5, 2.5 - 1.3});
+}
+
+TEST_CASE("pieces that cross so often that their parts would fill the memory are refused") {
+  using samara::pgd::Axis;
+  std::vector<Piece> pieces;
+  for (std::size_t thin = 1; thin <= 5; ++thin) {
+    for (int j = 0; j < 20; ++j) {
+      std::vector<Axis> axes;
+      for (std::size_t k = 0; k <= 5; ++k) {
+        const double lower = k == thin ? 0.05 * (j + 0.2) : 0.0, upper = k == thin ? 0.05 * (j + 0.6) : 1.0;
+        axes.push_back(Axis::p1({std::string(1, static_cast<char>('a' + k))}, lower, upper, 2));
+      }
+      pieces.push_back(random_over(axes, static_cast<unsigned>(j)));
+    }
+  }
+  ModelDescription model;
+  model.name = "crossing";
+  const Codebook book(model, pieces);
+  const auto refusal = [](const auto& call) { return error_text<samara::ArgumentError>(call); };
+  CHECK_THAT(refusal([&] { slice(book, {{"a", 0.5}}); }), Catch::Contains("more than 10000 further"));
+  CHECK_THAT(refusal([&] { with_pieces_apart(book); }), Catch::Contains("more than 10000 further"));
 }
 
 TEST_CASE("a piece that would have to be cut along a period stays whole") {

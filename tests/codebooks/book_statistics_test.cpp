@@ -9,6 +9,7 @@
 #include "../error_text.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/statistics/input_draws.h"
 #include "sample_books.h"
 
 using namespace samara;
@@ -34,6 +35,32 @@ const OutputStatistics& of(const BookStatistics& s, const Codebook& book, const 
 
 std::string refusal(const Codebook& book, const StatisticsRequest& request) {
   return error_text<Error>([&] { take_statistics(book, request); });
+}
+
+/// One output u, the same all over the axes.
+Piece constant_piece(const std::vector<pgd::Axis>& axes, double value) {
+  std::vector<Eigen::MatrixXd> factors;
+  for (const pgd::Axis& axis : axes) factors.emplace_back(Eigen::MatrixXd::Ones(axis.size(), 1));
+  return Piece::Groups{
+      pgd::SeparatedField(axes, {{"u", "m"}}, factors, Eigen::RowVectorXd::Constant(1, value))};
+}
+
+/// Of a model that this program does not know, and that may do without time.
+Codebook book_of(const std::vector<Piece>& pieces) {
+  ModelDescription model;
+  model.name = "constants";
+  return Codebook(model, pieces);
+}
+
+pgd::Axis t_axis(double lower, double upper) {
+  return pgd::Axis::radau({"t", "s", pgd::AxisRole::time}, lower, upper, 1, 2);
+}
+pgd::Axis x_axis(double lower, double upper) {
+  return pgd::Axis::p1({"x", "m"}, lower, upper, 2);
+}
+pgd::Axis plies_axis(const std::vector<double>& values) {
+  return pgd::Axis::discrete(
+      {"plies"}, Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
 }  // namespace
@@ -216,6 +243,139 @@ TEST_CASE("inputs that are normal together have the deviation that their covaria
   }
 }
 
+TEST_CASE(
+    "draws of inputs that are normal together have their covariance, however far apart their scales are",
+    "[codebooks]") {
+  const auto axis = [](const char* name, double reach) { return pgd::Axis::p1({name}, -reach, reach, 2); };
+  const Codebook book = book_of({constant_piece({axis("a", 1.0), axis("b", 1e-6), axis("c", 20.0)}, 1.0)});
+  const Eigen::Vector3d deviations(0.05, 1e-8, 1.0);
+  Eigen::Matrix3d correlation;
+  correlation << 1.0, 0.3, 0.5, 0.3, 1.0, 0.4, 0.5, 0.4, 1.0;
+  const Eigen::MatrixXd covariance = deviations.asDiagonal() * correlation * deviations.asDiagonal();
+  const InputDraws draws = draw_inputs(
+      book,
+      {.joint = JointNormal{{"a", "b", "c"}, Eigen::Vector3d(0.1, 0.0, -2.0), covariance}, .draws = 16'384});
+  REQUIRE(draws.points.cols() == 16'384);
+  const Eigen::VectorXd mean = draws.points.rowwise().mean();
+  const Eigen::MatrixXd centred = draws.points.colwise() - mean;
+  const Eigen::MatrixXd found = centred * centred.transpose() / static_cast<double>(centred.cols());
+  // Random points would be off by about 1/sqrt(16384) = 0.008, these are closer.
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    CHECK(std::sqrt(found(i, i)) == Approx(deviations[i]).epsilon(0.01));
+    for (Eigen::Index j = 0; j < i; ++j)
+      CHECK(found(i, j) / std::sqrt(found(i, i) * found(j, j)) == Approx(correlation(i, j)).margin(0.01));
+  }
+}
+
+TEST_CASE("a matrix that is no covariance is refused") {
+  const auto refusal_of = [](double a, double upper, double lower, double b) {
+    Eigen::Matrix2d covariance;
+    covariance << a, upper, lower, b;
+    return refusal(golden_book(),
+                   {.joint = JointNormal{{"C_D", "v(0)"}, Eigen::Vector2d(0.5, 0.5), covariance}});
+  };
+  CHECK_THAT(refusal_of(1.0, 0.0, 0.0, -1e-11), Contains("gives \"v(0)\" the variance -1e-11"));
+  CHECK_THAT(refusal_of(1.0, 0.9, 0.0, 1.0),
+             Contains("\"C_D\" and \"v(0)\" have the covariance 0.9 above the diagonal and 0 below it"));
+  CHECK_THAT(refusal_of(1.0, 1e-3, 1e-3, 0.0), Contains("expected 0 beside a variance of 0"));
+  CHECK_THAT(refusal_of(1.0, std::nan(""), std::nan(""), 1.0), Contains("finite"));
+  CHECK_THAT(refusal_of(1e-16, 1.1e-8, 1.1e-8, 1.0), Contains("negative variance"));
+  CHECK(refusal_of(1e-4, 0.0, 0.0, 0.0) == "no exception");
+}
+
+TEST_CASE("where pieces overlap, the one that queries come to counts") {
+  SECTION("without time") {
+    const BookStatistics s = take_statistics(
+        book_of({constant_piece({x_axis(0.0, 2.0)}, 1.0), constant_piece({x_axis(1.0, 3.0)}, 4.0)}));
+    // Two thirds of 1 and a third of 4.
+    CHECK(s.outputs[0].mean[0] == Approx(2.0).epsilon(1e-12));
+    CHECK(s.outputs[0].deviation[0] == Approx(std::sqrt(2.0)).epsilon(1e-12));
+  }
+  SECTION("as slabs over the whole box, with each time once") {
+    const BookStatistics s =
+        take_statistics(book_of({constant_piece({t_axis(0.0, 2.0), x_axis(0.0, 1.0)}, 1.0),
+                                 constant_piece({t_axis(1.0, 3.0), x_axis(0.0, 1.0)}, 4.0)}));
+    CHECK(s.inputs == std::vector<std::string>{"x"});
+    REQUIRE(s.outputs[0].mean.size() == s.times.size());
+    for (Eigen::Index i = 0; i < s.times.size(); ++i) {
+      CHECK((i == 0 || s.times[i - 1] < s.times[i]));
+      CHECK(s.outputs[0].mean[i] == Approx(s.times[i] <= 2.0 ? 1.0 : 4.0).epsilon(1e-12));
+    }
+  }
+  SECTION("as cells in time") {
+    const BookStatistics s =
+        take_statistics(book_of({constant_piece({t_axis(0.0, 2.0), x_axis(0.0, 1.0)}, 1.0),
+                                 constant_piece({t_axis(1.0, 3.0), x_axis(0.5, 1.5)}, 4.0)}));
+    for (Eigen::Index i = 0; i < s.times.size(); ++i) {
+      const double t = s.times[i];
+      CHECK((i == 0 || s.times[i - 1] < t));
+      // Together x from 0 to 1 of the first piece, and from 1 to 1.5 of the second.
+      const double expected = t < 1.0 ? 1.0 : t <= 2.0 ? 2.0 : 4.0;
+      CHECK(s.outputs[0].mean[i] == Approx(expected).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("what pieces share that a period keeps whole is said to count twice") {
+  const auto angle = [](double period) { return pgd::Axis::fourier({"angle", "rad"}, 0.0, period, 3); };
+  const BookStatistics s =
+      take_statistics(book_of({constant_piece({angle(1.0)}, 1.0), constant_piece({angle(2.0)}, 4.0)}));
+  REQUIRE_FALSE(s.notes.empty());
+  CHECK_THAT(s.notes.back(), Contains("counts more than once"));
+}
+
+TEST_CASE("a distribution that lies in a gap between pieces is refused") {
+  const Codebook book =
+      book_of({constant_piece({x_axis(0.0, 1.0)}, 1.0), constant_piece({x_axis(2.0, 3.0)}, 4.0)});
+  CHECK_THAT(refusal(book, {.inputs = {{"x", {kUniform, 1.2, 1.8}}}}),
+             Contains("less than 1e-14 of the distribution"));
+}
+
+TEST_CASE("every value of a list counts alike, in whichever pieces the values stand") {
+  const auto statistics_of = [](const std::vector<double>& first, const std::vector<double>& second) {
+    const pgd::Axis x = x_axis(0.0, 1.0);
+    return take_statistics(
+        book_of({constant_piece({plies_axis(first), x}, 1.0), constant_piece({plies_axis(second), x}, 4.0)}),
+        {.quantiles = {0.2, 0.9}});
+  };
+  const BookStatistics singles = statistics_of({1.0}, {2.0});
+  CHECK(singles.outputs[0].mean[0] == Approx(2.5).epsilon(1e-12));
+  CHECK(singles.outputs[0].deviation[0] == Approx(1.5).epsilon(1e-12));
+  CHECK(singles.outputs[0].quantiles(0, 0) == Approx(1.0));
+  CHECK(singles.outputs[0].quantiles(0, 1) == Approx(4.0));
+  CHECK(statistics_of({1.0, 5.0}, {2.0}).outputs[0].mean[0] == Approx(2.0).epsilon(1e-12));
+  // The first piece answers where both have a value.
+  CHECK(statistics_of({1.0, 2.0}, {2.0, 3.0}).outputs[0].mean[0] == Approx(2.0).epsilon(1e-12));
+}
+
+TEST_CASE("a list of one value counts in cells along another coordinate, and over time") {
+  const pgd::Axis plies = plies_axis({3.0});
+  const BookStatistics s = take_statistics(book_of(
+      {constant_piece({plies, x_axis(0.0, 1.0)}, 1.0), constant_piece({plies, x_axis(1.0, 3.0)}, 4.0)}));
+  CHECK(s.outputs[0].mean[0] == Approx(3.0).epsilon(1e-12));
+  const BookStatistics over_time =
+      take_statistics(book_of({constant_piece({t_axis(0.0, 1.0), plies_axis({1.0})}, 1.0),
+                               constant_piece({t_axis(0.0, 1.0), plies_axis({2.0, 3.0})}, 4.0)}));
+  for (const double mean : over_time.outputs[0].mean) CHECK(mean == Approx(3.0).epsilon(1e-12));
+}
+
+TEST_CASE("where a held value leaves some pieces, draws take the values of their lists") {
+  const pgd::Axis y = pgd::Axis::p1({"y"}, 0.0, 1.0, 2);
+  const BookStatistics s =
+      take_statistics(book_of({constant_piece({plies_axis({1.0}), x_axis(0.0, 1.0), y}, 1.0),
+                               constant_piece({plies_axis({2.0}), x_axis(1.0, 3.0), y}, 4.0)}),
+                      {.fixed = {{"x", 2.0}}, .quantiles = {0.5}});
+  CHECK(s.outputs[0].mean[0] == Approx(4.0));
+  CHECK(s.outputs[0].quantiles(0, 0) == Approx(4.0));
+}
+
+TEST_CASE("a coordinate that is a list in one piece and an interval in another has no statistics") {
+  const pgd::Axis x = x_axis(0.0, 1.0), interval = pgd::Axis::p1({"plies"}, 2.0, 3.0, 2);
+  CHECK_THAT(
+      refusal(book_of({constant_piece({plies_axis({1.0}), x}, 1.0), constant_piece({interval, x}, 4.0)}), {}),
+      Contains("a list of values in one piece"));
+}
+
 TEST_CASE("a list is held at one of its values, and nothing without meaning is taken", "[codebooks]") {
   const Codebook kinds = all_kinds(), book = golden_book();
   const BookStatistics two = take_statistics(kinds, {.fixed = {{"plies", 2.0}, {"k", 0.5}}});
@@ -235,7 +395,8 @@ TEST_CASE("a list is held at one of its values, and nothing without meaning is t
   CHECK_THAT(refusal(book, {.fixed = {{"C_D", 3.0}}}), Contains("outside the codebook's box"));
   CHECK_THAT(refusal(book, {.fixed = {{"C_D", 1.0}, {"v(0)", 0.5}}}), Contains("no free parameter"));
   CHECK_THAT(refusal(book, {.inputs = {{"C_D", {}}}, .fixed = {{"C_D", 0.5}}}), Contains("is held"));
-  CHECK_THAT(refusal(book, {.quantiles = {1.0}}), Contains("between 0 and 1"));
+  CHECK_THAT(refusal(book, {.quantiles = {1.0}}), Contains("above 0 and below 1"));
+  CHECK_THAT(refusal(book, {.quantiles = {0.5, 0.5}}), Contains("the quantile at 0.5 is asked for twice"));
   CHECK_THAT(refusal(book, {.groups = {{"C_D", "C_D"}}}), Contains("twice"));
   CHECK_THAT(refusal(book, {.draws = 5}), Contains("draws"));
   Eigen::Matrix2d wrong;

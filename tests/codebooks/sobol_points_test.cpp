@@ -100,3 +100,15 @@ TEST_CASE("coordinates of one set are scrambled independently") {
     for (Eigen::Index k = 0; k < j; ++k) CHECK(std::abs((points.row(j) * points.row(k)).mean()) < 1e-3);
   }
 }
+
+TEST_CASE("beyond the dimensions that there are direction numbers for, points are plain random ones") {
+  constexpr Eigen::Index kKnown = 3667;
+  const Eigen::MatrixXd points = sobol_points(3700, 64, 7);
+  CHECK(points.topRows(kKnown) == sobol_points(kKnown, 64, 7));
+  CHECK(points.leftCols(16) == sobol_points(3700, 16, 7));
+  const Eigen::MatrixXd beyond = points.bottomRows(3700 - kKnown);
+  CHECK(beyond.minCoeff() >= 0.0);
+  CHECK(beyond.maxCoeff() < 1.0);
+  // 33 x 64 numbers of variance 1/12: four deviations of their mean.
+  CHECK(std::abs(beyond.mean() - 0.5) < 4.0 / std::sqrt(12.0 * static_cast<double>(beyond.size())));
+}
