@@ -67,6 +67,11 @@ void check_cells(const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells) {
     if (!(std::abs(shape.determinant()) > kFlat * size))
       throw ArgumentError(fmt::format("cell {} of a mesh has no volume", cell));
   }
+  // A share of it must be no zero.
+  constexpr double kSmallest = 1e-290;
+  const double extent = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).minCoeff();
+  if (extent < kSmallest)
+    throw ArgumentError(fmt::format("a mesh has the extent {}, expected at least {}", extent, kSmallest));
 }
 
 }  // namespace

@@ -105,6 +105,8 @@ Certificate read_certificate(const Hdf5Reader& file) {
   if (file.has_attribute(path, "places")) c.places = count_attribute(file, path, "places");
   if (file.has_attribute(path, "wrong_points")) {
     c.wrong_points = count_attribute(file, path, "wrong_points");
+    if (c.points == 0)
+      throw file.error(path, "points is 0, expected at least 1 where there are wrong_points");
     if (*c.wrong_points > c.points || (c.met && *c.wrong_points > 0)) {
       throw file.error(path,
                        fmt::format("wrong_points is {}, expected {}", *c.wrong_points,

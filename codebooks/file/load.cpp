@@ -53,7 +53,7 @@ void check_version(const Hdf5Reader& file) {
 }
 
 /// Outputs of the certificate in the order of the codebook; the file sorts them by name.
-/// @throws InputError if they are not those of the codebook
+/// @throws InputError if they are not those of the codebook, or err most at no point of it
 void order_outputs(const Hdf5Reader& file, Certificate& certificate, const Codebook& book) {
   const auto place = [&](const OutputError& o) {
     const auto& outputs = book.outputs();
@@ -63,6 +63,13 @@ void order_outputs(const Hdf5Reader& file, Certificate& certificate, const Codeb
   };
   std::stable_sort(certificate.outputs.begin(), certificate.outputs.end(),
                    [&](const OutputError& a, const OutputError& b) { return place(a) < place(b); });
+  for (const OutputError& o : certificate.outputs) {
+    if (!o.worst.empty() && o.worst.size() != book.coordinates().size()) {
+      throw file.error("/certificate/" + o.name,
+                       fmt::format("worst has {} numbers, expected {}, one per coordinate, or none",
+                                   o.worst.size(), book.coordinates().size()));
+    }
+  }
   if (std::ranges::equal(certificate.outputs, book.outputs(), {}, &OutputError::name,
                          &pgd::OutputLabel::name))
     return;

@@ -228,7 +228,7 @@ Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& 
 
 codebooks::Codebook with_discretisation(const codebooks::Codebook& book, const Eigen::VectorXd& change) {
   codebooks::BuildRecord record = book.build();
-  record.message += "; twice the cells change, as shares of the same ranges,";
+  record.message += "; twice the cells change, as shares of the range between both ends of the box,";
   for (Eigen::Index o = 0; o < change.size(); ++o)
     record.message += fmt::format("{} {} by {:.3g}", o == 0 ? "" : ",",
                                   book.outputs()[static_cast<std::size_t>(o)].name, change(o));

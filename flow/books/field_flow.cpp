@@ -1,9 +1,12 @@
 #include "samara/flow/books/field_flow.h"
 
 #include <limits>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
@@ -22,6 +25,8 @@ StoredFlow flow_of(const codebooks::Codebook& book, const std::map<std::string, 
     throw ArgumentError(
         fmt::format("{} is no codebook of the fields of a flow ([book] kind = \"fields\")", path));
   const FlowPlan plan = parse_flow_plan(book.provenance().plan, path, mesh_reader);
+  if (book.space() != 0)
+    throw InputError(path, "has no places as its first coordinate, expected those of a flow");
   std::vector<double> point;
   for (const codebooks::Coordinate& coordinate : book.parameters()) {
     if (coordinate.role == pgd::AxisRole::space) continue;
@@ -36,10 +41,14 @@ StoredFlow flow_of(const codebooks::Codebook& book, const std::map<std::string, 
     if (book.coordinates()[index].role == pgd::AxisRole::space)
       throw ArgumentError(fmt::format("{} has its flows at every {}: expected no value of it", path, name));
   }
-  if (point.size() != plan.box.size())
+  std::vector<std::string> names, expected;
+  for (const codebooks::Coordinate& coordinate : std::span(book.coordinates()).subspan(1))
+    names.push_back(coordinate.name);
+  for (const codebooks::BoxEntry& entry : plan.box) expected.push_back(entry.name);
+  if (names != expected)
     throw InputError(path,
-                     fmt::format("has {} coordinates beside those of places, expected {}, as its plan has",
-                                 point.size(), plan.box.size()));
+                     fmt::format("has the coordinates {} beside its places, expected {}, the box of its plan",
+                                 fmt::join(names, ", "), fmt::join(expected, ", ")));
   try {
     // As the builder did: a damaged plan may ask for more cells than an integer counts.
     check_case(flow_case_at(plan, corners_of(plan).first), plan.max_memory);

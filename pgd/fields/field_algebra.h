@@ -11,9 +11,9 @@
 /// over several axes: statistics.h.
 ///
 /// Costs for rank R, axes of n nodes, d axes, M outputs. All functions throw ArgumentError naming the axis or
-/// output: if two fields do not lie on the same axes (name, unit, basis, nodes, in order), if their outputs
-/// do not match in number and unit, or if no axis has a name (the nearest is suggested). Outputs of two
-/// fields are paired in order; the names are those of the first field.
+/// output: if two fields do not lie on the same axes (name, unit, basis, transform, nodes and mass,
+/// in order), if their outputs do not match in number and unit, or if no axis has a name (the nearest is
+/// suggested). Outputs of two fields are paired in order; the names are those of the first field.
 namespace samara::pgd {
 
 /// Index of the axis of that name. @throws ArgumentError if there is none.

@@ -6,22 +6,27 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 
 namespace samara::pgd {
 
 namespace {
 
 std::string described(const Axis& axis) {
-  return fmt::format("\"{}\" ({} nodes of {} on [{}, {}] {})", axis.name(), axis.size(),
-                     to_string(axis.basis()), axis.lower(), axis.upper(), axis.unit());
+  const std::string transform =
+      axis.transform() == Transform::none ? "" : fmt::format(", {}", to_string(axis.transform()));
+  return fmt::format("\"{}\" ({} nodes of {} on [{}, {}]{}{})", axis.name(), axis.size(),
+                     to_string(axis.basis()), axis.lower(), axis.upper(), unit_suffix(axis.unit()),
+                     transform);
 }
 
 bool same_axis(const Axis& a, const Axis& b) {
-  // Nodes that went through a file or a unit may differ in the last digits.
-  constexpr double kRoundOff = 1e-12;
-  return a.name() == b.name() && a.unit() == b.unit() && a.basis() == b.basis() && a.size() == b.size() &&
-         a.elements() == b.elements() &&
-         (a.nodes() - b.nodes()).cwiseAbs().maxCoeff() <= kRoundOff * a.length();
+  // Nodes that went through a file or a unit may differ in the last digits, and their masses follow.
+  constexpr double kRoundOff = 1e-12, kRoundOffOfMass = 1e-10;
+  return a.name() == b.name() && a.unit() == b.unit() && a.basis() == b.basis() &&
+         a.transform() == b.transform() && a.size() == b.size() && a.elements() == b.elements() &&
+         (a.nodes() - b.nodes()).cwiseAbs().maxCoeff() <= kRoundOff * a.length() &&
+         (a.mass() - b.mass()).norm() <= kRoundOffOfMass * a.mass().norm();
 }
 
 }  // namespace
@@ -77,8 +82,8 @@ void require_on_axis(const Axis& axis, double x) {
   if (!std::isfinite(x))
     throw ArgumentError(fmt::format("{} is {}, expected a finite number", axis.name(), x));
   if (!axis.contains(x)) {
-    throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axis.name(), x, axis.unit(),
-                                      axis.lower(), axis.upper()));
+    throw OutsideBoxError(fmt::format("{} = {}{} is outside the box [{}, {}]", axis.name(), x,
+                                      unit_suffix(axis.unit()), axis.lower(), axis.upper()));
   }
 }
 
@@ -92,11 +97,11 @@ void require_inside(const std::vector<Axis>& axes, std::span<const double> x) {
       throw ArgumentError(fmt::format("{} is {}, expected a finite number", axes[k].name(), x[k]));
     }
     if (x[k] >= axes[k].lower() && x[k] <= axes[k].upper()) {
-      throw OutsideBoxError(fmt::format("{} = {} {} is none of the {} values of its axis", axes[k].name(),
-                                        x[k], axes[k].unit(), axes[k].size()));
+      throw OutsideBoxError(fmt::format("{} = {}{} is none of the {} values of its axis", axes[k].name(),
+                                        x[k], unit_suffix(axes[k].unit()), axes[k].size()));
     }
-    throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axes[k].name(), x[k],
-                                      axes[k].unit(), axes[k].lower(), axes[k].upper()));
+    throw OutsideBoxError(fmt::format("{} = {}{} is outside the box [{}, {}]", axes[k].name(), x[k],
+                                      unit_suffix(axes[k].unit()), axes[k].lower(), axes[k].upper()));
   }
 }
 

@@ -35,9 +35,15 @@ SeparatedField::SeparatedField(std::vector<Axis> axes, std::vector<OutputLabel> 
     if (!factor.allFinite()) {
       throw ArgumentError(fmt::format("a factor of axis \"{}\" is not finite", axes_[k].name()));
     }
+    const auto length_of = [&axis = axes_[k]](const Eigen::VectorXd& column) {
+      return std::sqrt(column.dot(axis.mass() * column) / axis.measure());
+    };
     for (Eigen::Index r = 0; r < factor.cols(); ++r) {
-      const double length =
-          std::sqrt(factor.col(r).dot(axes_[k].mass() * factor.col(r)) / axes_[k].measure());
+      double length = length_of(factor.col(r));
+      if (!std::isfinite(length)) {  // squares of 1e154 and more
+        const double largest = factor.col(r).cwiseAbs().maxCoeff();
+        length = largest * length_of(factor.col(r) / largest);
+      }
       // Factors that are normalised already stay as they are, to the last bit: fields survive a file
       // unchanged.
       if (length == 0.0 || std::abs(length - 1.0) < 1e-12) continue;
@@ -45,6 +51,7 @@ SeparatedField::SeparatedField(std::vector<Axis> axes, std::vector<OutputLabel> 
       weights_.col(r) *= length;
     }
   }
+  if (!weights_.allFinite()) throw ArgumentError("a term of a separated field is not finite");
 }
 
 SeparatedField::Workspace SeparatedField::make_workspace() const {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 #include "samara/pgd/fields/field_check.h"
 #include "samara/pgd/fields/variance_chain.h"
 #include "samara/pgd/tensors/train_algebra.h"
@@ -68,8 +69,8 @@ void require_distribution(const Axis& axis, const QuadratureRule& rule) {
     if (!(rule.weights[i] >= 0.0))
       refuse(fmt::format("the weight {}, expected none below 0", rule.weights[i]));
     if (!axis.contains(rule.nodes[i]))
-      refuse(fmt::format("the node {}, expected one from {} to {} {}", rule.nodes[i], axis.lower(),
-                         axis.upper(), axis.unit()));
+      refuse(fmt::format("the node {}, expected one from {} to {}{}", rule.nodes[i], axis.lower(),
+                         axis.upper(), unit_suffix(axis.unit())));
   }
   constexpr double kRoundOff = 1e-9;
   if (!(std::abs(rule.weights.sum() - 1.0) <= kRoundOff))

@@ -102,6 +102,8 @@ TEST_CASE("what is no mesh is refused in words") {
   CHECK_THROWS_WITH(mesh({"x", "y"}, points, Eigen::Vector3i(0, 1, 3)), Contains("corner 3"));
   CHECK_THROWS_WITH(mesh({"x", "y"}, points, Eigen::Vector3i(0, 1, 1)), Contains("no volume"));
   CHECK_THROWS_WITH(mesh({"x", "y"}, points * NAN, cell), Contains("not finite"));
+  CHECK_THROWS_WITH(mesh({"x", "y"}, points * 5e-324, cell),
+                    Contains("the extent 5e-324, expected at least 1e-290"));
   CHECK_THROWS_WITH(mesh({"x", "y=1"}, points, cell), Contains("\"y=1\", expected one without"));
   CHECK_THROWS_WITH(mesh({"x", "y\x1b[2J"}, points, cell), Contains("\\x1b[2J\", expected one without"));
   CHECK_THROWS_WITH(SpaceMesh({"x", "y"}, "parsec", points, cell), Contains("parsec"));

@@ -74,6 +74,10 @@ TEST_CASE("a certificate that contradicts itself, or has no numbers, is refused"
                file.set_integer("/certificate", "failed_points", 2001);
              }),
              StartsWith("/certificate: failed_points is 2001, expected at most 2000"));
+  CHECK_THAT(error_after([](Patient& file) {
+               file.set_numbers("/certificate/x", "worst", {1.0, 2.0});
+             }),
+             StartsWith("/certificate/x: worst has 2 numbers, expected "));
   CHECK_THAT(error_after([](Patient& file) { file.rename("/certificate/x", "/certificate/y"); }),
              StartsWith("/certificate: is of the outputs") && Contains("those of the codebook are"));
   CHECK_THAT(error_after([](Patient& file) { file.remove("/certificate/x"); }),

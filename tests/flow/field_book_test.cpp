@@ -315,8 +315,10 @@ TEST_CASE("what is no flow of a codebook of fields is refused") {
     return codebooks::Codebook(book.model(), book.pieces(), book.build(), codebooks::made_now(text, 1.0));
   };
   const auto two = of_plan("[book]", "log10_reynolds = [1, 1.5]\n[book]");
-  CHECK_THROWS_WITH(flow_of(two, {{"angle_of_attack", 0.1}}, "book.h5"),
-                    Contains("has 1 coordinates beside those of places, expected 2"));
+  CHECK_THROWS_WITH(
+      flow_of(two, {{"angle_of_attack", 0.1}}, "book.h5"),
+      Contains(
+          "has the coordinates angle_of_attack beside its places, expected angle_of_attack, log10_reynolds"));
   const auto wide = of_plan("side = 1.5", "side = 1e9");
   CHECK_THROWS_WITH(flow_of(wide, {{"angle_of_attack", 0.1}}, "book.h5"),
                     Contains("at most 1000 body lengths"));

@@ -118,7 +118,7 @@ TEST_CASE("a field over lists has factors of mean square one, answers at the val
   CHECK(std::isnan(gradient(0, 0)));
   CHECK_THROWS_AS(field(std::vector{1.5, 1.0, 0.25}), samara::OutsideBoxError);
   CHECK_THROWS_WITH(field(std::vector{1.5, 1.0, 0.25}),
-                    Contains("plies = 1.5 1 is none of the 2 values of its axis"));
+                    Contains("plies = 1.5 is none of the 2 values of its axis"));
 }
 
 TEST_CASE("values that make no list are refused by name") {

@@ -200,6 +200,24 @@ TEST_CASE("fields that do not fit, unknown axes and points outside are refused b
   CHECK_THROWS_WITH(sum(f, on(Axis::chebyshev({"C_T"}, 0.5, 2.0, 5))), Contains("\"C_T\""));
   CHECK_THROWS_WITH(l2_inner(f, on(Axis::p1({"C_D"}, 0.5, 2.0, 5))), Contains("of p1 on"));
   CHECK_THROWS_WITH(sum(f, on(Axis::chebyshev({"C_D"}, 0.5, 2.1, 5))), Contains("[0.5, 2.1]"));
+  // Nodes alone do not say what a field is between them, or which of them counts for how much.
+  const auto field_on = [](const Axis& axis) {
+    return SeparatedField({axis}, {{"u"}}, {Eigen::MatrixXd::Ones(2, 1)}, Eigen::MatrixXd::Ones(1, 1));
+  };
+  const auto elements = [&](Transform transform) {
+    return field_on(
+        Axis::chebyshev({"C_D", "1", AxisRole::parameter, transform}, Eigen::Vector2d(1.0, 4.0), 1));
+  };
+  CHECK_THROWS_WITH(sum(elements(Transform::none), elements(Transform::logarithm)),
+                    Contains("on [1, 4], log)"));
+  const auto imported = [&](double weight) {
+    SparseMatrix mass(2, 2);
+    mass.insert(0, 0) = 1.0;
+    mass.insert(1, 1) = weight;
+    return field_on(Axis::imported({"C_D"}, mass));
+  };
+  CHECK_NOTHROW(l2_inner(imported(1.0), imported(1.0)));
+  CHECK_THROWS_WITH(l2_inner(imported(1.0), imported(3.0)), Contains("expected the same nodes"));
   CHECK_THROWS_WITH(sum(f, restricted(f, "t", 0.0)), Contains("3 and 2 axes"));
   CHECK_THROWS_WITH(sum(f, random_mixed_field(1, 3, 61)), Contains("2 and 1 outputs"));
   CHECK_THROWS_WITH(sum(f, derivative(f, "t")), Contains("\"u\" in m/s") && Contains("m/s^2"));

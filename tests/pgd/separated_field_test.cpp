@@ -353,6 +353,19 @@ TEST_CASE("parts of a field that do not fit together are refused") {
                   samara::ArgumentError);
 }
 
+TEST_CASE("factors whose squares overflow give the same field, and terms that do are refused") {
+  const std::vector<Axis> axes = three_kinds();
+  const SeparatedField field = random_field(axes, 2, 3, 17);
+  std::vector<Eigen::MatrixXd> factors = field.factors();
+  factors[0] *= 1e200;
+  const SeparatedField scaled(axes, field.outputs(), factors, 1e-200 * field.weights());
+  Random random(18);
+  const std::vector<double> middle = random_point(axes, random);
+  CHECK((scaled(middle) - field(middle)).norm() <= 1e-12 * field(middle).norm());
+  factors[1] *= 1e200;
+  CHECK_THROWS_WITH(SeparatedField(axes, field.outputs(), factors, field.weights()), Contains("a term of"));
+}
+
 TEST_CASE("a copy does not depend on what it was copied from") {
   const std::vector<Axis> axes = three_kinds();
   const std::vector<double> x = {0.7, 1.1, 0.2};
