@@ -39,6 +39,10 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
+std::string ending_of(const std::filesystem::path& file) {
+  return lower_case(file.extension().string());
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongestQuote = 60;
   std::size_t shown = std::min(text.size(), kLongestQuote);

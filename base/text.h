@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -29,6 +30,9 @@ std::string_view trimmed(std::string_view text);
 
 /// Of ASCII letters only.
 std::string lower_case(std::string_view text);
+
+/// What the name of a file ends in, ".csv" or ".h5", also where it is written in capitals; empty if there is none.
+std::string ending_of(const std::filesystem::path& file);
 
 /// The text in double quotes for a message: cut when it is long, control characters as \x0a.
 std::string in_quotes(std::string_view text);

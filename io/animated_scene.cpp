@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/io/atomic_file.h"
 
 namespace samara::io {
@@ -29,8 +30,13 @@ struct SceneFormat {
 constexpr std::array<SceneFormat, 2> kSceneFormats = {{{".glb", format_glb}, {".usda", format_usda}}};
 
 const SceneFormat* format_of(const std::filesystem::path& path) {
-  const auto* const found = std::ranges::find(kSceneFormats, path.extension().string(), &SceneFormat::ending);
+  const auto* const found = std::ranges::find(kSceneFormats, ending_of(path), &SceneFormat::ending);
   return found == kSceneFormats.end() ? nullptr : found;
+}
+
+[[noreturn]] void refuse_name(const std::filesystem::path& path) {
+  throw ArgumentError(
+      fmt::format("\"{}\" was given, expected a name that ends in .glb or .usda", path.string()));
 }
 
 bool fits_floats(const Eigen::Ref<const Eigen::MatrixXd>& numbers) {
@@ -290,11 +296,14 @@ bool is_scene_name(const std::filesystem::path& path) {
   return format_of(path) != nullptr;
 }
 
+void check_scene_name(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 3> kOthers = {".gltf", ".usd", ".usdz"};
+  if (std::ranges::count(kOthers, ending_of(path)) > 0) refuse_name(path);
+}
+
 void write_scene(const std::filesystem::path& path, const AnimatedScene& scene) {
   const SceneFormat* format = format_of(path);
-  if (format == nullptr)
-    throw ArgumentError(
-        fmt::format("\"{}\" was given, expected a name that ends in .glb or .usda", path.string()));
+  if (format == nullptr) refuse_name(path);
   write_text_atomically(path, format->format(scene));
 }
 

@@ -41,8 +41,12 @@ std::string format_glb(const AnimatedScene& scene);
 /// @throws ArgumentError likewise
 std::string format_usda(const AnimatedScene& scene);
 
-/// Whether a file of this name is one of these, by its ending.
+/// Whether a file of this name is one of these, by its ending, which may stand in capitals.
 bool is_scene_name(const std::filesystem::path& path);
+
+/// For whoever writes something else under all other names.
+/// @throws ArgumentError for the ending of a scene that is not written: .gltf, .usd, .usdz
+void check_scene_name(const std::filesystem::path& path);
 
 /// In the format that the ending says.
 /// @throws ArgumentError likewise, for another ending, and if the file cannot be written

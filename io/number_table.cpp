@@ -8,7 +8,6 @@
 
 #include "samara/base/parallel.h"
 #include "samara/base/text.h"
-#include "samara/io/delimited_table.h"
 #include "samara/io/text_file.h"
 
 namespace samara::io {
@@ -105,15 +104,18 @@ bool NumberTable::read_plain_rows(std::size_t begin) {
   return true;
 }
 
+DelimitedTable NumberTable::head(std::string_view text, const std::string& name) {
+  return DelimitedTable::parse(text.substr(0, behind_header(text)), name);
+}
+
 NumberTable NumberTable::parse(std::string text, const std::string& name) {
   NumberTable table;
   table.text_ = std::move(text);
   table.name_ = name;
-  const std::size_t begin = behind_header(table.text_);
-  const DelimitedTable head = DelimitedTable::parse(std::string_view(table.text_).substr(0, begin), name);
-  table.header_ = head.header();
-  table.delimiter_ = head.delimiter();
-  if (table.read_plain_rows(begin)) return table;
+  const DelimitedTable first = head(table.text_, name);
+  table.header_ = first.header();
+  table.delimiter_ = first.delimiter();
+  if (table.read_plain_rows(behind_header(table.text_))) return table;
   const DelimitedTable whole = DelimitedTable::parse(table.text_, name);
   table.header_ = whole.header();
   table.values_.resize(static_cast<Index>(whole.rows()), std::ssize(table.header_));

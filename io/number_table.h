@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "samara/base/errors.h"
+#include "samara/io/delimited_table.h"
 
 namespace samara::io {
 
@@ -23,6 +24,10 @@ class NumberTable {
   static NumberTable read(const std::filesystem::path& path);
   /// @param name stands for the file in messages
   static NumberTable parse(std::string text, const std::string& name);
+
+  /// The table without its rows: what it holds may be refused before a number is read.
+  /// @throws InputError for a text without a header
+  static DelimitedTable head(std::string_view text, const std::string& name);
 
   const std::vector<std::string>& header() const { return header_; }
   /// One row per row of the table; missing cells are NaN.

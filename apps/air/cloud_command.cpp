@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <optional>
 #include <system_error>
 
@@ -16,6 +15,8 @@
 #include "inputs/assignments.h"
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/codebooks/source/realisation_checkpoint.h"
 #include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
@@ -114,7 +115,7 @@ void check_outputs(const SimulateArguments& arguments) {
     if (!path->empty()) check_output(*path, {arguments.model, arguments.wind, arguments.cloud.flow});
   }
   check_ending("--picture", arguments.cloud.picture, ".svg");
-  const std::string ending = std::filesystem::path(arguments.output).extension();
+  const std::string ending = ending_of(arguments.output);
   const bool is_animation = io::is_scene_name(arguments.output);
   if (!arguments.output.empty() && ending != ".h5" && ending != ".csv" && !is_animation)
     throw ArgumentError(fmt::format("--output is {}, expected a name that ends in .csv, .h5, .glb or .usda",
@@ -251,7 +252,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
     if (arguments.cloud.keep.empty() && cloud.realisations() > kMostAnimatedFlights)
       narrate(fmt::format("the first {} flights are animated, --keep says otherwise", kMostAnimatedFlights));
     write_cloud_animation(arguments.output, file, *body);
-  } else if (std::filesystem::path(arguments.output).extension() == ".h5") {
+  } else if (ending_of(arguments.output) == ".h5") {
     write_cloud(arguments.output, file);
   } else if (!arguments.output.empty() || !arguments.cloud.json) {
     const CloudTable table = cloud_table(cloud);
@@ -261,7 +262,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   narrate(cloud_summary(file, layout));
   if (!cloud.cancelled)
     return cloud.count(models::RealisationStatus::not_finite) > 0 ? kToleranceMissed : kDone;
-  if (!arguments.output.empty() && std::filesystem::exists(arguments.output + ".checkpoint"))
+  if (!arguments.output.empty() && codebooks::is_checkpoint(arguments.output + ".checkpoint"))
     narrate(
         fmt::format("{}.checkpoint keeps what is done: the same line goes on from there", arguments.output));
   return kInterrupted;

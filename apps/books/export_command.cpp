@@ -10,6 +10,7 @@
 #include "inputs/value_lists.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/file/flat_file.h"
 #include "samara/codebooks/file/load.h"
@@ -105,7 +106,7 @@ std::vector<io::VtkField> fields_of(const Codebook& book, const Eigen::Ref<const
 }
 
 void check_name(const fs::path& output, std::size_t times) {
-  const std::string ending = output.extension();
+  const std::string ending = ending_of(output);
   if (ending != ".vtu" && ending != ".pvd")
     throw ArgumentError(fmt::format(
         "the output is \"{}\", expected a name in .vtu, or .pvd for several times", output.string()));
@@ -130,7 +131,7 @@ void check_step_file(const fs::path& file, const std::string& book) {
 
 /// XDMF, which names the flow file as it lies from there.
 void export_flow(const ExportArguments& arguments, const fs::path& output) {
-  if (output.extension() != ".xdmf")
+  if (ending_of(output) != ".xdmf")
     throw ArgumentError(
         fmt::format("the output is \"{}\", expected a name in .xdmf for a flow", output.string()));
   if (!arguments.set.empty() || !arguments.at.empty())
@@ -171,7 +172,7 @@ int export_any(const ExportArguments& arguments) {
   check_name(output, times.size());
   const io::VtkGrid grid = grid_of(book, space);
   Eigen::MatrixXd points = exported_points(book, arguments, space);
-  if (output.extension() == ".vtu") {
+  if (ending_of(output) == ".vtu") {
     if (!times.empty()) points.row(0).setConstant(times.front());
     io::write_text_atomically(output, io::format_vtu(grid, fields_of(book, points)));
     return kDone;

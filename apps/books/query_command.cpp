@@ -262,6 +262,7 @@ int run_query(const QueryArguments& arguments) {
     throw ArgumentError("--second is of composed windows: --until was expected beside it");
   if (!arguments.output.empty())
     check_output(arguments.output, {arguments.book, arguments.points, arguments.second});
+  io::check_scene_name(arguments.output);
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   if (io::is_scene_name(arguments.output)) return run_animated(arguments, book);

@@ -119,6 +119,16 @@ codebooks::JointNormal joint_of(const std::string& file, const Codebook& book) {
   return joint;
 }
 
+/// Before any work: each is a column.
+void check_quantiles(const std::vector<double>& shares) {
+  for (auto share = shares.begin(); share != shares.end(); ++share) {
+    if (!(*share > 0.0 && *share < 1.0))
+      throw ArgumentError(fmt::format("--quantiles has {}, expected a share above 0 and below 1", *share));
+    if (std::find(shares.begin(), share, *share) != share)
+      throw ArgumentError(fmt::format("--quantiles has {} twice, expected each share once", *share));
+  }
+}
+
 codebooks::StatisticsRequest request_of(const StatsArguments& arguments, const Codebook& book) {
   codebooks::StatisticsRequest request;
   std::vector<std::string> known;
@@ -230,6 +240,7 @@ Json statistics_json(const Codebook& book, const BookStatistics& s) {
 }
 
 int run_stats(const StatsArguments& arguments) {
+  check_quantiles(arguments.quantiles);
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.fit});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
@@ -256,7 +267,7 @@ void add_stats(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);
   command->add_option("--fit", values->fit,
                       "fit (samara fit -o FIT.json) whose coefficients are inputs, with its covariance");
-  command->add_option("--quantiles", values->quantiles, "shares between 0 and 1: 0.05 0.5 0.95");
+  command->add_option("--quantiles", values->quantiles, "shares above 0 and below 1: 0.05 0.5 0.95");
   command->add_option("--group", values->groups, "inputs to give indices of together: C_T,C_R")
       ->allow_extra_args(false);
   command->add_option("--draws", values->draws, "of quantiles, and of correlated inputs")

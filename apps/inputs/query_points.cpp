@@ -48,18 +48,30 @@ Column column_of(const std::string& header) {
   return {header.substr(0, open), header.substr(open + 1, header.size() - open - 2)};
 }
 
-/// The rows of --points, and which coordinate each column is.
+/// The columns of --points, and which coordinate each is; then the rows.
 struct GivenPoints {
   std::string file;
-  io::NumberTable table;
-  std::vector<Index> coordinates;  ///< of the columns
+  io::DelimitedTable head;
+  std::vector<Index> coordinates;          ///< of the columns
+  std::vector<std::optional<Unit>> units;  ///< of the columns; none: SI
+  std::optional<io::NumberTable> table;    ///< once its numbers are read
+
+  InputError error(const std::string& sentence) const {
+    return InputError(file, head.line_of_header(), sentence);
+  }
 };
 
-GivenPoints given_points(const std::string& path) {
+/// @param text all of it
+GivenPoints given_columns(const std::string& path, std::string& text) {
   const bool is_stdin = path == "-";
   const std::string file = is_stdin ? "stdin" : path;
-  std::string text = io::read_text_file(is_stdin ? "/dev/stdin" : path, {.expected = "a table of points"});
-  return {file, io::NumberTable::parse(std::move(text), file), {}};
+  text = io::read_text_file(is_stdin ? "/dev/stdin" : path, {.expected = "a table of points"});
+  return {file, io::NumberTable::head(text, file), {}, {}, {}};
+}
+
+void read_rows(std::string text, GivenPoints& given) {
+  given.table = io::NumberTable::parse(std::move(text), given.file);
+  if (given.table->values().rows() == 0) throw InputError(given.file, "has no rows; points were expected");
 }
 
 /// Whether points of a mesh are asked for, instead of its nodes.
@@ -72,54 +84,56 @@ bool asks_for_places(const Codebook& book, const QueryArguments& arguments,
   return std::ranges::any_of(
              arguments.set,
              [&](const std::string& text) { return is_direction(text.substr(0, text.find('='))); }) ||
-         (given && std::ranges::any_of(given->table.header(), [&](const std::string& header) {
+         (given && std::ranges::any_of(given->head.header(), [&](const std::string& header) {
             return is_direction(column_of(header).name);
           }));
 }
 
-/// Which coordinate each column is.
-void find_columns(GivenPoints& given, const std::vector<Coordinate>& coordinates) {
-  std::vector<std::string> known;
-  for (const Coordinate& c : coordinates) known.push_back(c.name);
-  for (const std::string& header : given.table.header()) {
-    const std::string name = full_name(column_of(header).name, known);
-    const auto found = std::ranges::find(known, name);
-    if (found == known.end()) {
-      throw InputError(given.file, fmt::format("the column \"{}\" is no coordinate of the codebook{}", header,
-                                               suggestion(name, known)));
-    }
-    const Index at = found - known.begin();
-    if (std::ranges::count(given.coordinates, at) > 0)
-      throw InputError(given.file, fmt::format("two columns hold \"{}\"; one was expected", name));
-    given.coordinates.push_back(at);
-  }
-  if (given.table.values().rows() == 0) throw InputError(given.file, "has no rows; points were expected");
-}
-
 /// The unit of a column; none if its numbers are in SI.
-std::optional<Unit> unit_of(const GivenPoints& given, Index column, const Coordinate& coordinate) {
-  const std::string unit = column_of(given.table.header()[static_cast<std::size_t>(column)]).unit;
+std::optional<Unit> unit_of(const GivenPoints& given, const std::string& header,
+                            const Coordinate& coordinate) {
+  const std::string unit = column_of(header).unit;
   if (unit.empty() || unit == coordinate.unit) return std::nullopt;
   try {
     if (!same_dimension(unit, coordinate.unit))
       throw ArgumentError(fmt::format("{} is in {}, expected {}", coordinate.name, unit, coordinate.unit));
     return parse_unit(unit);
   } catch (const ArgumentError& error) {
-    throw InputError(given.file, error.what());
+    throw given.error(error.what());
+  }
+}
+
+/// Which coordinate each column is, and in which unit.
+void find_columns(GivenPoints& given, const std::vector<Coordinate>& coordinates) {
+  std::vector<std::string> known;
+  for (const Coordinate& c : coordinates) known.push_back(c.name);
+  for (const std::string& header : given.head.header()) {
+    const std::string name = full_name(column_of(header).name, known);
+    const auto found = std::ranges::find(known, name);
+    if (found == known.end()) {
+      throw given.error(fmt::format("the column \"{}\" is no coordinate of the codebook{}", header,
+                                    suggestion(name, known)));
+    }
+    const Index at = found - known.begin();
+    if (std::ranges::count(given.coordinates, at) > 0)
+      throw given.error(fmt::format("two columns hold \"{}\"; one was expected", name));
+    given.coordinates.push_back(at);
+    given.units.push_back(unit_of(given, header, coordinates[static_cast<std::size_t>(at)]));
   }
 }
 
 /// A column to coordinate k of the points, in SI. All times of a point follow one another.
 void read_column(const GivenPoints& given, Index column, const Coordinate& coordinate, Index k,
                  QueryPoints& points) {
-  const std::optional<Unit> unit = unit_of(given, column, coordinate);
-  for (Index row = 0; row < given.table.values().rows(); ++row) {
-    const double value = given.table.values()(row, column);
+  const std::optional<Unit>& unit = given.units[static_cast<std::size_t>(column)];
+  const io::NumberTable& table = *given.table;
+  for (Index row = 0; row < table.values().rows(); ++row) {
+    const double value = table.values()(row, column);
     if (std::isnan(value))
-      throw given.table.error(row, fmt::format("has no {}, but a number was expected", coordinate.name));
+      throw table.error(row, fmt::format("has no {}, but a number was expected", coordinate.name));
     points.x.col(k).segment(row * points.times, points.times).setConstant(unit ? unit->to_si(value) : value);
   }
-  if (!unit && given.table.has_cells()) points.columns[static_cast<std::size_t>(k)] = column;
+  if (!unit && table.has_cells()) points.columns[static_cast<std::size_t>(k)] = column;
 }
 
 /// A table names the line where a point leaves the box.
@@ -132,8 +146,8 @@ void check_inside(const GivenPoints& given, const std::vector<Coordinate>& coord
       const std::string unit = unit_suffix(c.unit);
       throw OutsideBoxError(
           given.table
-              .error(row / times, fmt::format("{} = {}{} is outside the box, [{}, {}]{}", c.name, x(row, k),
-                                              unit, c.lower, c.upper, unit))
+              ->error(row / times, fmt::format("{} = {}{} is outside the box, [{}, {}]{}", c.name, x(row, k),
+                                               unit, c.lower, c.upper, unit))
               .what());
     }
   }
@@ -183,12 +197,16 @@ void QueryPoints::append_cells(Index point, std::vector<std::string_view>& cells
 
 QueryPoints points_of(const Codebook& book, const QueryArguments& arguments) {
   std::optional<GivenPoints> given;
-  if (!arguments.points.empty()) given = given_points(arguments.points);
+  std::string text;
+  if (!arguments.points.empty()) given = given_columns(arguments.points, text);
   QueryPoints points;
   points.of_places = asks_for_places(book, arguments, given);
   points.coordinates = points.of_places ? codebooks::PlaceQuery(book).coordinates() : book.coordinates();
   const std::vector<Coordinate>& coordinates = points.coordinates;
-  if (given) find_columns(*given, coordinates);
+  if (given) {
+    find_columns(*given, coordinates);
+    read_rows(std::move(text), *given);
+  }
   const auto is_column = [&](Index k) { return given && std::ranges::count(given->coordinates, k) > 0; };
   const bool has_time = book.has_time();
   const auto count = std::ssize(coordinates);
@@ -198,8 +216,8 @@ QueryPoints points_of(const Codebook& book, const QueryArguments& arguments) {
     const Coordinate& c = coordinates[static_cast<std::size_t>(k)];
     if (!is_column(k)) units[c.name] = c.unit;
   }
-  for (const std::string& text : arguments.set) {
-    const std::string name = setting_of("--set", text).name;
+  for (const std::string& setting : arguments.set) {
+    const std::string name = setting_of("--set", setting).name;
     for (Index k = first; k < count; ++k)
       if (is_column(k) && coordinates[static_cast<std::size_t>(k)].name == name)
         throw ArgumentError(fmt::format("--set names \"{}\", which is a column of {}", name, given->file));
@@ -212,7 +230,7 @@ QueryPoints points_of(const Codebook& book, const QueryArguments& arguments) {
         fmt::format("{} has a column of the time: neither --at nor --frames was expected", given->file));
   std::vector<double> times;
   if ((has_time && !is_column(0)) || (asks_times && !has_time)) times = times_of(book, arguments);
-  const Index rows = given ? given->table.values().rows() : 1,
+  const Index rows = given ? given->table->values().rows() : 1,
               repeats = std::max<Index>(1, std::ssize(times));
   check_count(rows * repeats, count, book.output_count(), arguments);
 

@@ -232,6 +232,8 @@ int run_simulate(const SimulateArguments& arguments) {
   if (!arguments.output.empty())
     check_output(arguments.output,
                  {arguments.model, arguments.coefficients, arguments.wind, arguments.body.body});
+  if (arguments.cloud.realisations.empty())
+    io::check_scene_name(arguments.output);  // clouds name more endings
   const auto still = codebooks::open_model(arguments.model);
   const models::ModelInfo& info = still->info();
   if (arguments.forces && info.force_terms.empty()) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,6 +11,7 @@
 #include "inputs/assignments.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/codebooks/figures/book_figures.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/identification/report/fit_figures.h"
@@ -138,7 +138,7 @@ Panels panels_of_table(const PlotArguments& arguments) {
 }
 
 Panels panels_of(const PlotArguments& arguments) {
-  const std::string ending = std::filesystem::path(arguments.input).extension().string();
+  const std::string ending = ending_of(arguments.input);
   if (ending == ".json") return panels_of_fit(arguments);
   if (ending == ".csv" || ending == ".tsv") return panels_of_table(arguments);
   return panels_of_book(arguments);

@@ -84,7 +84,7 @@ void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>
 }
 
 void check_ending(const std::string& option, const std::string& path, const std::string& ending) {
-  const std::string found = lower_case(std::filesystem::path(path).extension().string());
+  const std::string found = ending_of(path);
   const bool is_ending = found.size() > 1 && found[1] >= 'a' && found[1] <= 'z' &&
                          std::ranges::all_of(found.substr(1), [](char c) {
                            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');

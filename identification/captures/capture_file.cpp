@@ -6,8 +6,10 @@
 #include <map>
 #include <numbers>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/text.h"
@@ -37,7 +39,7 @@ void check_is_text(const std::filesystem::path& path) {
 }
 
 Sidecar find_sidecar(const std::filesystem::path& path) {
-  if (path.extension() == ".toml") return read_sidecar(path);
+  if (ending_of(path) == ".toml") return read_sidecar(path);
   const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".toml");
   std::error_code ignored;
   if (std::filesystem::is_regular_file(beside, ignored)) {
@@ -139,7 +141,7 @@ void select_by_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
     if (!sidecar.has_label(label)) continue;
     const char decimal = io::DelimitedTable::read(sidecar.labels->file).decimal();
     for (std::string& value : allowed) value = with_decimal_point(value, decimal);
-    std::erase_if(captures, [&](const Capture& capture) {
+    std::erase_if(captures, [&label = label, &allowed = allowed](const Capture& capture) {
       const auto found = capture.labels.find(label);
       return found == capture.labels.end() || !is_allowed(found->second, allowed);
     });
@@ -252,6 +254,65 @@ std::vector<std::filesystem::path> capture_files(const std::filesystem::path& ta
 
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {
   return read_all(read_sidecar(sidecar, table));
+}
+
+namespace {
+
+/// What all names of a file have in common; of one that is not there, its name.
+std::string place_of(const std::string& file) {
+  struct stat there = {};
+  if (::stat(file.c_str(), &there) != 0) return file;
+  return fmt::format("{}:{}", there.st_dev, there.st_ino);
+}
+
+bool are_equal(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.size() == b.size() && (a.array() == b.array() || (a.array().isNaN() && b.array().isNaN())).all();
+}
+
+bool have_same_frames(const Capture& a, const Capture& b) {
+  return are_equal(a.times, b.times) &&
+         std::ranges::equal(a.channels, b.channels, [](const Channel& one, const Channel& other) {
+           return one.quantity == other.quantity && are_equal(one.values, other.values);
+         });
+}
+
+/// Captures of one file, by its names.
+using CapturesByName = std::map<std::string, std::vector<const Capture*>>;
+
+/// One with the same frames by another name of its file; null if there is none.
+const Capture* by_another_name(const CapturesByName& known, const Capture& capture) {
+  for (const auto& [file, captures] : known) {
+    if (file == capture.file) continue;
+    const auto found =
+        std::ranges::find_if(captures, [&](const Capture* one) { return have_same_frames(*one, capture); });
+    if (found != captures.end()) return *found;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+void refuse_repeated(std::span<const Capture> captures, const std::string& how) {
+  std::map<std::string, std::string> places;
+  std::map<std::pair<std::string, std::string>, const Capture*> by_id;
+  std::map<std::string, CapturesByName> by_place;
+  for (const Capture& capture : captures) {
+    if (capture.file.empty()) continue;
+    const auto [at, is_new] = places.try_emplace(capture.file);
+    if (is_new) at->second = place_of(capture.file);
+    CapturesByName& known = by_place[at->second];
+    const auto [named, is_first] = by_id.try_emplace({at->second, capture.id}, &capture);
+    const Capture* before = is_first ? by_another_name(known, capture) : named->second;
+    if (before != nullptr) {
+      throw InputError(
+          capture.file,
+          fmt::format("capture \"{}\" is {} twice{}; each once was expected", capture.id, how,
+                      before->file == capture.file ? ""
+                                                   : fmt::format(", before as \"{}\" of {}, the same file",
+                                                                 before->id, before->file)));
+    }
+    known[capture.file].push_back(&capture);
+  }
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {

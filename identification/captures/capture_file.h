@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -98,6 +99,12 @@ std::vector<std::filesystem::path> capture_files(const std::filesystem::path& ta
 /// @param table a pattern ("[0-9]*.csv") stands for every file that matches. Labels are looked for beside it.
 /// @throws InputError as above, and if the sidecar names another table
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar);
+
+/// Captures that stand there twice would count twice: those of one id in one file, however it is spelled and whatever
+/// links lead to it, and those of two names of one file with the same frames. Captures of no file may be any.
+/// @param how they stand there: "given", "left out"
+/// @throws InputError naming the file of the second one
+void refuse_repeated(std::span<const Capture> captures, const std::string& how);
 
 /// Whether two names, as captures have them of their files, are those of one file.
 bool is_same_file(const std::string& a, const std::string& b);

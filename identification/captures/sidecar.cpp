@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <glob.h>
@@ -262,7 +264,9 @@ void read_frame_keys(const TomlTable& root, Sidecar& sidecar) {
 }  // namespace
 
 bool Sidecar::has_label(const std::string& column) const {
-  if (!labels || column == labels->column || !std::filesystem::is_regular_file(labels->file)) return false;
+  std::error_code ignored;
+  if (!labels || column == labels->column || !std::filesystem::is_regular_file(labels->file, ignored))
+    return false;
   return io::DelimitedTable::read(labels->file).has(column);
 }
 

@@ -63,7 +63,7 @@ std::optional<PredictionOptions> prediction_of(const FitRequest& request, const 
 
 void check_times(const FitRequest& request) {
   const std::pair<const char*, std::optional<double>> times[] = {
-      {"--span", request.span}, {"--left-out-span", request.left_out_span}, {"--ahead", request.ahead}};
+      {"span", request.span}, {"left_out_span", request.left_out_span}, {"ahead", request.ahead}};
   for (const auto& [name, time] : times) {
     if (time && !(*time > 0.0 && std::isfinite(*time)))
       throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", name, *time));
@@ -76,10 +76,13 @@ void check_sidecar(const FitRequest& request) {
       std::ranges::any_of(request.left_out, is_table)) {
     return;
   }
-  throw ArgumentError(
-      fmt::format("--sidecar \"{}\" says what the columns of tables are, and every capture given is a "
-                  "sidecar itself; a table was expected",
-                  request.sidecar.string()));
+  const bool has_files = !request.captures.empty() || !request.left_out.empty();
+  if (!has_files && request.measured.empty()) return;  // that there is no capture is said in its place
+  throw ArgumentError(fmt::format(
+      "--sidecar \"{}\" says what the columns of table files are, and every capture given is {}; a table "
+      "file was expected",
+      request.sidecar.string(),
+      has_files ? "a sidecar itself" : "in memory, where columns say it themselves"));
 }
 
 /// Tells the caller each warning once, as soon as it is known.

@@ -59,7 +59,7 @@ struct FitReport {
   std::string petab_parameters = {}, petab_simulations = {};
 };
 
-/// Sentences name the settings as the options of `samara fit`.
+/// Sentences name the settings as the options of `samara fit`, but for times that are none, which it finds by itself.
 /// @throws ArgumentError for a request that makes no sense and for captures that do not suit the source;
 /// InputError naming the file for everything wrong in one.
 FitReport fit_files(const FitRequest& request);

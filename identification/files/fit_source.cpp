@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/base/units.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/composition/mixed_trajectories.h"
@@ -234,7 +235,7 @@ void doubt_held_values(const FitResult& fitted, const models::FamilyInfo& info, 
 }
 
 bool is_table(const std::filesystem::path& path) {
-  return path.extension() != ".toml";
+  return ending_of(path) != ".toml";
 }
 
 std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,

@@ -6,6 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
@@ -29,7 +30,7 @@ std::shared_ptr<const models::Model> followed_model(const std::string& source) {
 }
 
 std::vector<Capture> captures_in(const std::filesystem::path& file, const std::filesystem::path& sidecar) {
-  return sidecar.empty() || file.extension() == ".toml" ? read_captures(file) : read_captures(file, sidecar);
+  return sidecar.empty() || ending_of(file) == ".toml" ? read_captures(file) : read_captures(file, sidecar);
 }
 
 /// What a request says beside the fit.
@@ -73,6 +74,7 @@ NoiseChoice chosen_noise(const std::shared_ptr<const models::Model>& model, cons
       captures.push_back(std::move(capture));
     }
   }
+  refuse_repeated(captures, "given");
   std::vector<FollowOptions> options;
   for (const Capture& capture : captures)
     options.push_back(requested_options(*model, fitted, capture, request));

@@ -45,8 +45,8 @@ namespace samara::identification {
 
 /// @throws ArgumentError for options outside their meaning, unknown names (the nearest is named), captures
 ///   that do not measure an output or measure it in another dimension, captures with fewer frames than
-///   unknowns, frames outside the times of the family, and two captures of one id. Numerical outcomes are in
-///   the result's status and warnings.
+///   unknowns, frames outside the times of the family, and two captures of one id in memory; InputError where one of
+///   a file is given twice. Numerical outcomes are in the result's status and warnings.
 FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
               const FitOptions& options = {});
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -255,14 +254,6 @@ void check_views(const models::TrajectoryFamily& family, std::span<const Capture
         "two level components; lengths x, y and z, and no other, were expected to be predicted");
 }
 
-void refuse_twice(std::span<const Capture> left_out) {
-  std::set<std::pair<std::string, std::string>> seen;
-  for (const Capture& capture : left_out) {
-    if (capture.file.empty() || seen.insert({capture.file, capture.id}).second) continue;
-    throw InputError(capture.file, fmt::format("capture \"{}\" is left out twice", capture.id));
-  }
-}
-
 void refuse_fitted(const std::string& id, const std::string& file, std::span<const Capture> left_out) {
   for (const Capture& capture : left_out) {
     if (capture.id != id || capture.file.empty() || !is_same_file(capture.file, file)) continue;
@@ -276,7 +267,7 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
                              std::span<const Capture> left_out, const FitOptions& options,
                              const PredictionOptions& prediction, bool wants_along) {
   check_prediction(options, prediction);
-  refuse_twice(left_out);
+  refuse_repeated(left_out, "left out");
   if (fitted.status == Termination::failed || left_out.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
   const FitOptions held = holding(family.info(), fitted, options, prediction);

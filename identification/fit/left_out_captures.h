@@ -42,9 +42,6 @@ void check_prediction(const FitOptions& options, const PredictionOptions& predic
 void check_views(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                  const FitOptions& options, const PredictionOptions& prediction);
 
-/// One that is given twice would count twice. @throws InputError
-void refuse_twice(std::span<const Capture> left_out);
-
 /// @param id, file of a capture that is fitted  @throws InputError where it is among those left out
 void refuse_fitted(const std::string& id, const std::string& file, std::span<const Capture> left_out);
 

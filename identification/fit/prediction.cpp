@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/captures/capture_file.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/left_out_captures.h"
 #include "samara/identification/fit/motion_forecasts.h"
@@ -113,7 +114,7 @@ void check_left_out(const models::TrajectoryFamily& family, std::span<const Capt
                     const PredictionOptions& prediction) {
   check_prediction(options, prediction);
   const FitProblem problem = make_problem(family.info(), captures, options);
-  refuse_twice(left_out);
+  refuse_repeated(left_out, "left out");
   if (prediction.mixture && !left_out.empty())
     check_training(count_of(clusters_of(captures, options.uncertainty.cluster_by)));
   for (const Capture& capture : left_out) check_capture(capture, problem);

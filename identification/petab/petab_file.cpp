@@ -138,7 +138,8 @@ std::vector<std::filesystem::path> PetabFile::files() const {
 }
 
 bool is_petab_file(const std::filesystem::path& path) {
-  return path.extension() == ".yaml" || path.extension() == ".yml";
+  const std::string ending = ending_of(path);
+  return ending == ".yaml" || ending == ".yml";
 }
 
 PetabFile read_petab_file(const std::filesystem::path& path) {

@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/units.h"
+#include "samara/identification/captures/capture_file.h"
 #include "samara/identification/problem/known_values.h"
 #include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
@@ -346,11 +347,11 @@ void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& probl
 
 void add_segments(const models::FamilyInfo& family, std::span<const Capture> captures,
                   const FitOptions& options, FitProblem& problem) {
-  std::set<std::pair<std::string, std::string>> seen;
+  refuse_repeated(captures, "given");
+  std::set<std::string> in_memory;
   for (const Capture& capture : captures) {
-    if (!seen.insert({capture.file, capture.id}).second) {
-      throw ArgumentError(fmt::format("capture \"{}\" of \"{}\" is given twice", capture.id, capture.file));
-    }
+    if (capture.file.empty() && !in_memory.insert(capture.id).second)
+      throw ArgumentError(fmt::format("capture \"{}\" is given twice; each once was expected", capture.id));
     add_motion(family, options.compared.span ? first(capture, *options.compared.span) : capture, options,
                problem);
     share_times(problem.segments, problem.motions.back().first_segment);

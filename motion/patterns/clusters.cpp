@@ -24,7 +24,9 @@ void check_clustering(const Eigen::MatrixXd& points, const ClusterOptions& optio
   require(options.tolerance >= 0.0, "tolerance", options.tolerance, "a number from 0 on");
   if (!points.allFinite())
     throw ArgumentError("a point to be clustered is not finite; points that are were expected");
-  if (points.rows() < options.clusters || points.cols() < 1) {
+  if (points.cols() < 1)
+    throw ArgumentError("the points to be clustered have no feature, expected at least one");
+  if (points.rows() < options.clusters) {
     throw ArgumentError(fmt::format("there are {} points for {} clusters, expected at least as many",
                                     points.rows(), options.clusters));
   }

@@ -43,6 +43,7 @@ PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
   const Eigen::Index count = sweep.fall_count() / releases;
   if (count <= kNeighbours)
     throw ArgumentError(fmt::format("the sweep has {} points, expected at least {}", count, kNeighbours + 1));
+  names_ = sweep.names;
   lower_ = sweep.lower;
   upper_ = sweep.upper;
   width_ = (sweep.upper - sweep.lower).unaryExpr([](double w) { return w > 0.0 ? w : 1.0; });
@@ -73,8 +74,8 @@ Eigen::VectorXd PatternMap::scaled(const Eigen::VectorXd& point) const {
   for (Eigen::Index k = 0; k < point.size(); ++k) {
     const double room = room_beside(lower_[k], upper_[k]);
     if (!(point[k] >= lower_[k] - room && point[k] <= upper_[k] + room)) {
-      throw ArgumentError(fmt::format("coordinate {} of the point is {}, expected {} to {}: inside the box",
-                                      k, point[k], lower_[k], upper_[k]));
+      throw ArgumentError(fmt::format("{} of the point is {}, expected {} to {}: inside the box",
+                                      names_[static_cast<std::size_t>(k)], point[k], lower_[k], upper_[k]));
     }
   }
   return (point - lower_).cwiseQuotient(width_);

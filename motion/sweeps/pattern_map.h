@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "samara/base/streams.h"
@@ -74,6 +75,7 @@ class PatternMap {
   std::vector<Eigen::Index> falls_of(Pattern pattern) const;
   std::vector<std::vector<Eigen::Index>> neighbours() const;
 
+  std::vector<std::string> names_;         ///< of the coordinates
   Eigen::VectorXd lower_, upper_, width_;  ///< an axis of a single value is taken for one of width 1
   Eigen::MatrixXd places_;                 ///< points x coordinates, box of unit sides
   std::vector<Pattern> patterns_;

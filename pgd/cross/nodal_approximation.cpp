@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/require.h"
+#include "samara/base/unit_labels.h"
 #include "samara/pgd/fields/field_algebra.h"
 #include "samara/pgd/tensors/separation.h"
 
@@ -58,7 +59,8 @@ Eigen::MatrixXd random_points(const std::vector<Axis>& axes, int count, Random& 
 std::string described(const std::vector<Axis>& axes, const std::vector<double>& x) {
   std::string text;
   for (std::size_t k = 0; k < axes.size(); ++k) {
-    text += fmt::format("{}{} = {:.6g} {}", k == 0 ? "" : ", ", axes[k].name(), x[k], axes[k].unit());
+    text +=
+        fmt::format("{}{} = {:.6g}{}", k == 0 ? "" : ", ", axes[k].name(), x[k], unit_suffix(axes[k].unit()));
   }
   return text;
 }

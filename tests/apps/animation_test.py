@@ -169,6 +169,14 @@ class Animations(Case):
         self.check_error(run("simulate", "immersed_body", *CARD, "--forces", "-o", motion), 2, "--forces")
         self.check_error(run("simulate", "immersed_body", *CARD, "--body", "ball", "-o", motion), 2, "--unit")
         self.assertFalse(motion.exists())
+        for name in ("refused.gltf", "refused.usd", "refused.USDZ"):
+            for call in (["simulate", "immersed_body", *CARD], ["query", book("coin", COIN_PLAN), "--set", "C_D=1", "--set", "v(0)=0"]):
+                self.check_error(run(*call, "-o", FOLDER / name), 2, name, "expected a name that ends in .glb or .usda")
+            self.assertFalse((FOLDER / name).exists())
+
+    def test_an_ending_in_capitals_is_the_same_format(self):
+        self.assertEqual(written("simulate", "immersed_body", *CARD, name="loud.GLB").read_bytes()[:4], b"glTF")
+        self.assertEqual(written("query", book("coin", COIN_PLAN), "--set", "C_D=1", "--set", "v(0)=0", name="loud.USDA").read_bytes()[:5], b"#usda")
 
     def test_the_official_validator_finds_nothing(self):
         paths = [written("simulate", "immersed_body", *CARD),

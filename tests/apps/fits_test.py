@@ -106,6 +106,20 @@ class Fits(Case):
         self.check_error(run("fit", path, capture, "--left-out", unseen[0], unseen[0], *times), 3, "unseen0", "twice")
         self.check_error(run("fit", path, "--left-out", *unseen, *times), 2, "CAPTURE", "--left-out", "unseen2.csv")
 
+    def test_a_capture_by_two_names_of_its_file_is_given_twice(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        respelled, link = f"{FOLDER}/./fall.csv", FOLDER / "fall_link.csv"
+        link.unlink(missing_ok=True)
+        link.symlink_to(capture)
+        config, unseen = write("plain_twice.toml", 'outputs = ["x"]\n'), write("unseen_once.csv", capture.read_text())
+        for again in (capture, respelled, link):
+            for more in ((), ("--config", config)):
+                result = run("fit", path, capture, again, *more)
+                self.check_error(result, 3, "is given twice")
+                self.assertTrue(result.stderr.startswith(f"samara: {again}: capture"), result.stderr)
+        times = ("--span", "0.2 s", "--ahead", "0.1 s")
+        self.check_error(run("fit", path, capture, "--left-out", unseen, f"{FOLDER}/./unseen_once.csv", *times), 3, "./unseen_once.csv", "is left out twice")
+
     def test_a_value_too_many_is_no_input_of_another_kind(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         other = write("other.csv", capture.read_text())

@@ -72,6 +72,9 @@ class ManyQuestions(Case):
         refuse("k,t\n4,\n", 3, "bad_points.csv:2", "has no t")
         refuse("k,t\n4,x\n", 3, "bad_points.csv:2")
         refuse("k,t\n", 3, "has no rows")
+        # What is wrong with the header is said first, and where it stands.
+        refuse("# falls\nnote,k,t\nfast,4,1\n", 3, "bad_points.csv:2", 'the column "note" is no coordinate')
+        refuse("# falls\nk[m],t\n4,x\n", 3, "bad_points.csv:2", "k is in m")
         refuse("t\n1\n", 2, "k is not set")
         refuse("k,t\n4,1\n", 2, "column of the time", more=("--at", "1"))
         refuse("k,t\n4,1\n", 2, "--set names", more=("--set", "k=3"))

@@ -15,6 +15,12 @@ TEST_CASE("every error of the family can be caught as samara::Error") {
   CHECK_THROWS_AS(throw samara::OutsideBoxError("a"), samara::Error);
 }
 
+TEST_CASE("the ending of a name counts in capitals, too") {
+  CHECK(samara::ending_of("a.b/fall.CSV") == ".csv");
+  CHECK(samara::ending_of("a.b/fall") == "");
+  CHECK(samara::ending_of("") == "");
+}
+
 TEST_CASE("a quote ends between characters, and of bytes that are none after sixty") {
   const std::string umlaut = "\xC3\xA4";
   CHECK(samara::in_quotes(std::string(59, 'a') + umlaut) == '"' + std::string(59, 'a') + "...\"");

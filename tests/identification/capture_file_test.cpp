@@ -1,5 +1,8 @@
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -30,6 +33,37 @@ TEST_CASE("a canonical table is one capture, in SI units, named after its file")
   CHECK(capture.channel("theta").unit == "1");
   CHECK_THAT(capture.channel("theta").values[0], WithinRel(std::numbers::pi / 2.0, 1e-15));
   CHECK(std::isnan(capture.channel("theta").values[1]));
+}
+
+TEST_CASE("a capture that stands twice is found by whatever names of its file") {
+  const TemporaryDirectory files;
+  const std::string table = "t[s],x[m]\n0,0\n1,\n2,5\n3,9\n";
+  const auto fall = files.put("fall.csv", table);
+  const auto spelled = files.path() / "." / "fall.csv";
+  const auto symbolic = files / "symbolic.csv", hard = files / "hard.csv";
+  std::filesystem::create_symlink(fall, symbolic);
+  std::filesystem::create_hard_link(fall, hard);
+  const auto error = [](const std::vector<std::filesystem::path>& paths) {
+    std::vector<Capture> captures;
+    for (const auto& path : paths)
+      for (const Capture& capture : read_captures(path)) captures.push_back(capture);
+    return error_of<samara::InputError>([&] { refuse_repeated(captures, "given"); });
+  };
+  CHECK(error({fall, fall}) == "fall.csv: capture \"fall\" is given twice; each once was expected");
+  CHECK(error({fall, spelled})
+            .starts_with("./fall.csv: capture \"fall\" is given twice, before as \"fall\" of "));
+  CHECK(error({fall, symbolic})
+            .starts_with("symbolic.csv: capture \"symbolic\" is given twice, before as \"fall\" of "));
+  CHECK(error({hard, fall}).ends_with("/hard.csv, the same file; each once was expected"));
+  // A copy is another measurement, as far as anybody can tell; so are other columns by another name of a file.
+  CHECK(error({fall, files.put("copy.csv", table)}) == "no exception");
+  files.put("hard.toml",
+            "[columns]\n\"t[s]\" = { quantity = \"t\", unit = \"s\" }\n\"x[m]\" = { quantity = \"y\", unit = "
+            "\"m\" }\n");
+  CHECK(error({fall, hard}) == "no exception");
+  // Those in memory are of no file.
+  const std::vector<Capture> in_memory(2);
+  CHECK_NOTHROW(refuse_repeated(in_memory, "given"));
 }
 
 TEST_CASE("tabs separate as well as commas") {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
+#include "samara/identification/files/fit_files.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/models/laws/registry.h"
@@ -123,7 +124,11 @@ TEST_CASE("captures must have enough frames, within the times of the family") {
   captures[1].times.array() -= 0.5;
   CHECK_THAT(fit_error({}, captures), Contains("capture \"b\" has a frame at -0.5 s"));
   captures[1] = captures[0];
-  CHECK_THAT(fit_error({}, captures), Contains("is given twice"));
+  CHECK(fit_error({}, captures) == "capture \"a\" is given twice; each once was expected");
+  for (Capture& capture : captures) capture.file = "fall.csv";
+  CHECK(error_of<samara::InputError>([&] { fit(BrakedFamily(), captures); }) ==
+        "fall.csv: capture \"a\" is given twice; each once was expected");
+  captures[0].file.clear();
   captures[1].id = kOther;
   captures[1].file = kOther;
   CHECK(fit_error({}, captures) == "no exception");
@@ -135,6 +140,16 @@ TEST_CASE("captures must have enough frames, within the times of the family") {
   FitOptions options;
   options.compared.span = 0.6;
   CHECK(fit(family, two_captures(), options).captures[0].frames == 6);
+}
+
+TEST_CASE("a sidecar that no table file needs is refused, and so is a time that is none") {
+  FitRequest request{.measured = two_captures(), .sidecar = "columns.toml"};
+  const auto error = [&] { return error_of<samara::ArgumentError>([&] { fit_files(request); }); };
+  CHECK_THAT(error(), Contains("every capture given is in memory") && Contains("\"columns.toml\""));
+  request.captures = {"fall.toml"};
+  CHECK_THAT(error(), Contains("every capture given is a sidecar itself"));
+  request.left_out_span = 0.0;
+  CHECK(error() == "left_out_span is 0 s; more than 0 was expected");
 }
 
 TEST_CASE("a frame that rounding puts just behind the end of the family belongs to it") {

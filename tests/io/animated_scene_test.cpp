@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/io/text_file.h"
 #include "temporary_directory.h"
 
@@ -98,15 +99,22 @@ TEST_CASE("what is no scene is refused") {
 
 TEST_CASE("a scene is written as the ending of the file's name says, and not under another") {
   const TemporaryDirectory directory;
-  for (const char* ending : {".glb", ".usda"}) {
+  for (const char* ending : {".glb", ".usda", ".GLB", ".Usda"}) {
     const auto file = directory / (std::string("scene") + ending);
     REQUIRE(samara::io::is_scene_name(file));
+    CHECK_NOTHROW(samara::io::check_scene_name(file));
     samara::io::write_scene(file, scene());
-    const std::string expected =
-        std::string(ending) == ".glb" ? samara::io::format_glb(scene()) : samara::io::format_usda(scene());
+    const bool is_glb = samara::ending_of(file) == ".glb";
+    const std::string expected = is_glb ? samara::io::format_glb(scene()) : samara::io::format_usda(scene());
     CHECK(samara::io::read_text_file(file) == expected);
   }
   const auto table = directory / "scene.csv";
   CHECK_FALSE(samara::io::is_scene_name(table));
+  CHECK_NOTHROW(samara::io::check_scene_name(table));
+  for (const char* other : {"scene.gltf", "scene.usd", "scene.USDZ"}) {
+    CHECK_FALSE(samara::io::is_scene_name(other));
+    CHECK_THROWS_WITH(samara::io::check_scene_name(other),
+                      "\"" + std::string(other) + "\" was given, expected a name that ends in .glb or .usda");
+  }
   CHECK_THROWS_AS(samara::io::write_scene(table, scene()), ArgumentError);
 }

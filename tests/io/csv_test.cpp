@@ -117,6 +117,13 @@ TEST_CASE("the parts of a table come in the order of its rows, whichever is made
              Contains("\"a\" stands twice"));
 }
 
+TEST_CASE("the header of a table of numbers is read by itself, whatever its rows hold") {
+  const auto head = NumberTable::head("# body: card\n\na;b\n1;x\n", "t");
+  CHECK(head.header() == std::vector<std::string>{"a", "b"});
+  CHECK(head.line_of_header() == 3);
+  CHECK(head.rows() == 0);
+}
+
 TEST_CASE("plain numbers of a table are given as they stand in it") {
   const NumberTable table = NumberTable::parse("# c: d\na;b;c\r\n+1.50; 2e0 ;3\r\n4;\t5;-0.60", "t");
   REQUIRE(table.has_cells());

@@ -96,6 +96,9 @@ TEST_CASE("clusterings that cannot be meant are refused") {
   CHECK(error_text<samara::ArgumentError>([&] {
           gaussian_mixture(points, {.clusters = 0});
         }).find("clusters is 0") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          k_means(Eigen::MatrixXd(15, 0), {.clusters = 2});
+        }).find("have no feature") != std::string::npos);
   Eigen::MatrixXd bad = points;
   bad(1, 1) = NAN;
   CHECK(error_text<samara::ArgumentError>([&] { k_means(bad, {.clusters = 2}); }).find("not finite") !=

@@ -10,6 +10,7 @@
 
 using namespace samara::pgd;
 using Catch::Contains;
+using Catch::EndsWith;
 using samara::Termination;
 
 namespace {
@@ -135,6 +136,7 @@ TEST_CASE("a denominator that vanishes or changes its sign is named with its pla
     CHECK_FALSE(result.field.has_value());
     CHECK_FALSE(result.tolerance_met);
     CHECK_THAT(result.message, Contains("denominator d") && Contains("x = ") && Contains("z = "));
+    CHECK_THAT(result.message, !Catch::Matches(".*[0-9] 1, .*") && EndsWith(" m"));  // only z has a unit
     REQUIRE(result.point.size() == 3);
   }
   CHECK(quotient(f, line(f.axes(), -0.2)).status == Termination::converged);
