@@ -39,6 +39,13 @@ def _chosen(bodies: ArrayLike, count: int) -> NDArray[Any]:
     return chosen
 
 
+def _for_each(values: NDArray[np.float64], count: int, one: tuple[int, ...], what: str) -> NDArray[np.float64]:
+    """Of so many bodies, given of each or the same of all."""
+    if values.shape not in (one, (1, *one), (count, *one)):
+        raise ArgumentError(f"{what} of {count} bodies: the shape is {values.shape}, expected {one} or {(count, *one)}")
+    return np.broadcast_to(values, (count, *one))
+
+
 class Motions:
     """The falls of a sweep, cut at their events: what ``samara database`` makes.
 
@@ -114,8 +121,8 @@ class Bodies:
         """Lets bodies go, moving as if they had fallen for a while: all, or those of these numbers or of a mask (count,).
         ``places`` (3,) or (bodies, 3), m, z up; ``yaw`` about the vertical, rad."""
         numbers = np.arange(self.count) if bodies is None else _chosen(bodies, self.count)
-        where = np.broadcast_to(real_array(places, "places"), (len(numbers), 3))
-        turned = np.broadcast_to(real_array(yaw, "yaw"), (len(numbers),))
+        where = _for_each(real_array(places, "places"), len(numbers), (3,), "places")
+        turned = _for_each(real_array(yaw, "yaw"), len(numbers), (), "yaw")
         for number, place, angle in zip(numbers, where, turned):
             self._core.release(int(number), place, float(angle))
 

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from . import _core, _toml
 from ._codebook import Codebook
-from ._errors import ArgumentError
+from ._errors import ArgumentError, in_words_of_python
 from ._identity import identity
 from ._models import Model
-from ._units import Quantity, as_mapping, check_names, names_in, one_si, whole
+from ._units import Quantity, as_mapping, check_names, names_in, one_si, truth, whole
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -63,9 +63,10 @@ class Reported:
     def __enter__(self) -> Any:
         return self._report
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: Optional[BaseException], trace: object) -> None:
         if self._line:
             self._line.clear()
+        in_words_of_python(error)
 
 
 def build(
@@ -92,6 +93,8 @@ def build(
     :raises NoResultError: where the build ends before anything is solved
     """
     definition = None if model is None else model
+    if definition is not None and not isinstance(definition, Model):
+        raise ArgumentError(f"the model is of the type {type(definition).__name__}, expected a samara.Model")
     if isinstance(plan, Mapping):
         if definition is not None:
             plan = {**plan, "model": plan.get("model", definition.name)}
@@ -100,10 +103,9 @@ def build(
         path, text = os.fspath(plan), ""
     else:
         raise ArgumentError(f"the plan is of the type {type(plan).__name__}, expected a file, or a dictionary with the same keys")
-    certificate_points = whole(certificate_points, "certificate_points")
+    certificate_points = whole(certificate_points, "certificate_points", least=1)
+    resume = truth(resume, "resume")
     if definition is not None:
-        if not isinstance(definition, Model):
-            raise ArgumentError(f"the model is of the type {type(definition).__name__}, expected a samara.Model")
         # Behind the plan: errors name its lines.
         comment, resume = _fingerprint(
             definition.rhs, checkpoint, resume, definition.jacobian, repr(definition.states), repr(definition.parameters)
@@ -158,11 +160,20 @@ def separate(
     :returns: a codebook also where it misses its tolerance: ``certificate.met`` says so
     """
     as_mapping(box, "bounds")
-    of = dict(outputs) if isinstance(outputs, Mapping) else {name: "1" for name in names_in(outputs, "outputs")}
+    names = names_in(outputs, "outputs")
+    for name in names:
+        if names.count(name) > 1:
+            raise ArgumentError(f'outputs have "{name}" more than once, expected each name once')
+    of = dict(outputs) if isinstance(outputs, Mapping) else dict.fromkeys(names, "1")
     given_units = as_mapping(units or {}, "units")
     check_names(given_units, list(box), "coordinate")
     unit = {name: given_units.get(name, "1") for name in box}
-    certificate_points = whole(certificate_points, "certificate_points")
+    certificate_points = whole(certificate_points, "certificate_points", least=1)
+    resume = truth(resume, "resume")
+    if not callable(function):
+        raise ArgumentError(f"the function is of the type {type(function).__name__}, expected one of an array of points")
+    if pool is not None and not callable(getattr(pool, "map", None)):
+        raise ArgumentError(f"pool is of the type {type(pool).__name__}, expected an executor of concurrent.futures")
     plan: dict[str, Any] = {
         "title": title,
         "command": {"run": [_name_of(function)], "inputs": unit, "outputs": of},
@@ -174,9 +185,11 @@ def separate(
     calls = _Calls(function, len(box), len(of), vectorised, pool, end is not None)
     comment, resume = _fingerprint(function, checkpoint, resume)
     with Reported(progress) as report:
-        book, _, message = _core.separate(
+        book, _, message, told = _core.separate(
             calls, _toml.dumps(plan) + comment, report, os.fspath(checkpoint or ""), resume, certificate_points
         )
+    for sentence in told:
+        warnings.warn(sentence, stacklevel=2)
     return Codebook(book, message)
 
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core
 from ._errors import ArgumentError
+from ._units import mask_of
 
 _COLUMN = re.compile(r"\s*(?P<name>.+?)\s*\[(?P<unit>[^\]]*)\]\s*\Z")
 
@@ -33,10 +36,41 @@ def files_and_tables(given: Any) -> tuple[list[str], list[dict[str, Any]]]:
 
 
 def _is_table(given: Any) -> bool:
-    """A frame, or a mapping of columns: its keys name units."""
+    """A frame, or a mapping of columns: its keys name units, and its values are no tables, whose names may look alike."""
     if hasattr(given, "columns"):
         return True
-    return isinstance(given, Mapping) and any(_COLUMN.match(str(key)) for key in given)
+    return isinstance(given, Mapping) and any(
+        _COLUMN.match(str(key)) and not isinstance(value, Mapping) and not hasattr(value, "columns")
+        for key, value in given.items()
+    )
+
+
+def _numbers(values: Any, factor: float, is_time: bool, what: str) -> NDArray[np.float64]:
+    """A column in SI, what is masked or missing as NaN. Differences of times know their unit, whatever the head says."""
+    array = np.asarray(values)
+    mask = mask_of(values)
+    missing = np.zeros(array.shape, bool) if mask is None else mask
+    if array.dtype.kind == "m" and is_time:
+        numbers, factor = array / np.timedelta64(1, "s"), 1.0
+    elif array.dtype.kind in "fiu":
+        numbers = array.astype(float)
+    elif array.dtype.kind in "OUS":
+        cells = zip(array.ravel().tolist(), missing.ravel().tolist())
+        numbers = np.array([math.nan if gone else _number(cell, what) for cell, gone in cells], float).reshape(array.shape)
+    else:
+        raise ArgumentError(f"{what} is of the type {array.dtype}, expected numbers")
+    return factor * np.where(missing, np.nan, numbers)
+
+
+def _number(cell: Any, what: str) -> float:
+    if cell is None or type(cell).__name__ == "NAType":  # of pandas
+        return math.nan
+    try:
+        if not isinstance(cell, (bool, np.bool_)):
+            return float(cell)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise ArgumentError(f"{what} has the value {cell!r:.60}, expected numbers")
 
 
 def _capture(table: Any, name: str) -> dict[str, Any]:
@@ -51,17 +85,15 @@ def _capture(table: Any, name: str) -> dict[str, Any]:
     labels: dict[str, str] = {}
     seen: set[str] = set()
     for column in table.columns if hasattr(table, "columns") else table:
-        values = np.asarray(table[column])
+        values = table[column]
         match = _COLUMN.match(str(column))
         if not match:
-            distinct = np.unique(values.astype(str))
+            distinct = np.unique(np.asarray(values).astype(str))
             if len(distinct) != 1:
                 raise ArgumentError(f'the column "{column}" of {name} has no unit; a head like "{column}[m]" was expected')
             labels[str(column)] = str(distinct[0])
             continue
         quantity, unit = match["name"], match["unit"]
-        if values.dtype.kind not in "fiu":
-            values = values.astype(float)
         if quantity in seen:
             raise ArgumentError(f'{name} has two columns of "{quantity}", expected one of each quantity')
         try:
@@ -69,7 +101,7 @@ def _capture(table: Any, name: str) -> dict[str, Any]:
         except ArgumentError as error:
             raise ArgumentError(f'the column "{column}" of {name}: {error}') from None
         seen.add(quantity)
-        numbers = values.astype(float) * factor
+        numbers = _numbers(values, factor, _core.si_unit(unit) == "s", f'the column "{column}" of {name}')
         if np.any(np.isinf(numbers)):
             raise ArgumentError(f'the column "{column}" of {name} has an infinite value; NaN stands for a missing one')
         if quantity == "t":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import pathlib
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _html, _labels
 from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, Piece, Statistics, certificate_of
 from ._errors import ArgumentError
-from ._units import Quantity, as_mapping, names_in, one_difference, one_si, real_array, stacked, to_si, whole
+from ._units import Quantity, as_mapping, by_name, names_in, one_difference, one_si, real_array, stacked, to_si, whole
 
 Precision = Literal["double", "single", "auto"]
 Points = Union[Mapping[str, Quantity], ArrayLike]
@@ -113,7 +113,8 @@ class Codebook:
     ) -> Any:
         """Trajectories: values (.., times, outputs), and with ``gradient`` also (.., times, outputs, parameters).
 
-        :param parameters: by name, SI or with a unit, broadcast against each other; or an array (.., parameters), SI
+        :param parameters: by name, SI or with a unit, broadcast against each other; a frame with a column for each; or an
+            array (.., parameters), SI
         :param times: s, or texts with a unit, (times,); one number for no such dimension; none of a codebook without time
         :param gradient: exact derivatives by the parameters; with it the answer is a pair
         :param outputs: names, in the order wanted, or one, ``derived`` ones included; all that are stored by default
@@ -135,7 +136,11 @@ class Codebook:
         if not self.has_time:
             if times is not None:
                 raise ArgumentError("times were given, and the codebook has no time")
-            answer = self.at(q, gradient=gradient, outputs=outputs, out=out, threads=threads, precision=precision)
+            if out is not None:
+                _check_room(out, (*q.shape[:-1], len(outputs or self._outputs)))
+            threads, precision = _checked(threads, precision)
+            pair = self._values_at(q, gradient, outputs or (), out, threads, precision)
+            answer: Any = pair if gradient else pair[0]
             frames = None
         else:
             frames = self._times(times)
@@ -204,8 +209,8 @@ class Codebook:
         inputs: Optional[Mapping[str, tuple[str, Quantity, Quantity]]] = None,
         *,
         fixed: Optional[Mapping[str, Quantity]] = None,
-        groups: Sequence[Sequence[str]] = (),
-        quantiles: Sequence[float] = (),
+        groups: Union[str, Sequence[Union[str, Sequence[str]]]] = (),
+        quantiles: Union[float, Sequence[float]] = (),
         draws: int = 4096,
         seed: int = 1,
     ) -> Statistics:
@@ -214,12 +219,20 @@ class Codebook:
         :param inputs: how parameters are distributed that are not uniform over the box: ``("normal", mean, deviation)``,
             ``("lognormal", median, deviation of the logarithm)``, ``("uniform", least, largest)``
         :param fixed: parameters that are held
-        :param groups: parameters to give indices of together
-        :param quantiles: shares between 0 and 1; ``draws`` points and ``seed`` are those of the quantiles
+        :param groups: parameters to give indices of together; a name is a group of its own
+        :param quantiles: shares between 0 and 1, or one; ``draws`` points and ``seed`` are those of the quantiles
         """
         draws, seed = whole(draws, "draws") or 0, whole(seed, "seed", 2**64 - 1) or 0
+        together = [groups] if isinstance(groups, str) else groups
+        if not isinstance(together, Iterable):
+            raise ArgumentError(f"groups are {groups!r}, expected lists of names")
         s = self._book.statistics(
-            self._distributions(inputs or {}), self._held(fixed or {}), [list(g) for g in groups], list(quantiles), draws, seed
+            self._distributions(inputs or {}),
+            self._held(fixed or {}),
+            [names_in(names, "the names of a group") for names in together],
+            real_array(quantiles, "quantiles").ravel().tolist(),
+            draws,
+            seed,
         )
         keys = ("mean", "deviation", "first_order", "total", "group_closed", "group_total", "quantiles")
         of = {key: {o["name"]: o[key] for o in s["outputs"]} for key in keys}
@@ -258,15 +271,14 @@ class Codebook:
         return _html.codebook(self, self._book.outlines())
 
     def _array(self, points: Points, coordinates: Sequence[Coordinate], what: str) -> NDArray[np.float64]:
-        if isinstance(points, Mapping):
-            return stacked(points, coordinates, what)
-        return real_array(points, what)
+        named = by_name(points, what)
+        return real_array(points, what) if named is None else stacked(named, coordinates, what)
 
     def _distributions(self, inputs: Mapping[str, tuple[str, Quantity, Quantity]]) -> dict[str, tuple[str, float, float]]:
         units = {c.name: c.unit for c in self._coordinates}
         found = {}
         for name, given in as_mapping(inputs, "inputs").items():
-            if isinstance(given, str) or len(given) != 3:
+            if not isinstance(given, (tuple, list)) or len(given) != 3:
                 raise ArgumentError(f"{name} is {given!r}, expected such as ('normal', 1.1, 0.05)")
             kind, first, second = given
             unit = units.get(name, "1")
@@ -298,7 +310,7 @@ class Codebook:
         precision: Precision,
     ) -> tuple[NDArray[np.float64], ...]:
         if outputs and not {o.name for o in self._outputs}.issuperset(outputs):
-            return self._derived_trajectories(q, frames, gradient, outputs, out, precision)
+            return self._derived_trajectories(q, frames, gradient, outputs, out, threads, precision)
         # Times run fastest in what the library writes: a view has the axes in the order of the answer.
         room = None if out is None or out.ndim < 2 else out.swapaxes(-1, -2)
         is_ours = room is not None and room.flags.c_contiguous
@@ -321,16 +333,33 @@ class Codebook:
         gradient: bool,
         outputs: Sequence[str],
         out: Optional[NDArray[np.float64]],
+        threads: Optional[int],
         precision: Precision,
     ) -> tuple[NDArray[np.float64], ...]:
         """Point by point: what a model derives from its states is not stored."""
         points = np.empty((*q.shape[:-1], frames.size, q.shape[-1] + 1))
         points[..., 0] = frames
         points[..., 1:] = q[..., None, :]
-        answer = self._book.at(points, outputs, {}, precision, int(gradient), out)
-        if not gradient:
-            return (answer,)
-        return answer[0], answer[1].swapaxes(-1, -2)[..., 1:]
+        values, *slopes = self._values_at(points, gradient, outputs, out, threads, precision)
+        return values, *(by_all[..., 1:] for by_all in slopes)
+
+    def _values_at(
+        self,
+        points: NDArray[np.float64],
+        gradient: bool,
+        outputs: Sequence[str],
+        out: Optional[NDArray[np.float64]],
+        threads: Optional[int],
+        precision: Precision,
+    ) -> tuple[NDArray[np.float64], ...]:
+        """As ``at``, written to any array, where it takes those in C order only."""
+        room = out if out is not None and out.flags.c_contiguous else None
+        answer = self._book.at(points, outputs, {}, precision, int(gradient), room, threads)
+        values = answer[0] if gradient else answer
+        if out is not None and room is None:
+            np.copyto(out, values)
+        result = values if out is None else out
+        return (result, answer[1].swapaxes(-1, -2)) if gradient else (result,)
 
 
 def _checked(threads: Any, precision: Any) -> tuple[Optional[int], Precision]:

@@ -3,6 +3,13 @@
 They are Python's own kinds as well: who knows nothing of Samara catches ``ValueError``, ``OSError``, ``RuntimeError``.
 """
 
+import re
+from typing import Optional
+
+_OPTION = re.compile(
+    r"(?<![\w/-])--(fresh|span|left-out-span|left-out|ahead|config|sidecar|coefficients|profiles|reference)(?![\w-])"
+)
+
 
 class Error(Exception):
     """Base of the family."""
@@ -26,3 +33,13 @@ class NoResultError(Error, RuntimeError):
 
 class MissingPackageError(Error, ImportError):
     """An optional package is not installed."""
+
+
+def in_words_of_python(error: Optional[BaseException]) -> None:
+    """Names arguments where a sentence of the library names options of the command."""
+    if isinstance(error, Error) and len(error.args) == 1:
+        error.args = (_OPTION.sub(_argument, str(error)),)
+
+
+def _argument(option: re.Match[str]) -> str:
+    return "resume=False" if option[1] == "fresh" else option[1].replace("-", "_")

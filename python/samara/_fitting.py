@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Optional, Union
 
@@ -18,7 +18,7 @@ from ._codebook import Codebook
 from ._errors import ArgumentError
 from ._labels import optional
 from ._models import Model
-from ._units import Quantity, one_si, real_array
+from ._units import Quantity, one_si, real_array, truth
 
 
 @dataclass(frozen=True)
@@ -259,13 +259,23 @@ class FitResult:
         )
 
 
+def _files(given: Any, what: str) -> list[str]:
+    """Names of files; one alone may stand for itself."""
+    is_one = isinstance(given, (str, os.PathLike, Mapping)) or hasattr(given, "columns") or not isinstance(given, Iterable)
+    files = [given] if is_one else list(given)
+    for file in files:
+        if not isinstance(file, (str, os.PathLike)):
+            raise ArgumentError(f"{what} has one of the type {type(file).__name__}, expected files of captures")
+    return [os.fspath(file) for file in files]
+
+
 def fit(
     source: Union[Codebook, Model, Path],
     captures: Any,
     config: Union[Mapping[str, Any], Path, None] = None,
     *,
     span: Optional[Quantity] = None,
-    left_out: Sequence[Path] = (),
+    left_out: Union[Path, Sequence[Path]] = (),
     left_out_span: Optional[Quantity] = None,
     ahead: Optional[Quantity] = None,
     sidecar: Optional[Path] = None,
@@ -286,7 +296,7 @@ def fit(
         of id to frame, or of id to a mapping of such columns; one of them, or several
     :param config: a file, or a dictionary with the same keys (docs/reference/fit_config.md)
     :param span: of each capture, from its first frame
-    :param left_out: files of captures to predict, ``ahead`` of what is seen of them
+    :param left_out: files of captures to predict, or one, ``ahead`` of what is seen of them
     :param coefficients: JSON of another fit, where this one begins
     :param reference: integrate the equations of a codebook instead of asking it
     :param profiles: of the coefficients
@@ -305,7 +315,7 @@ def fit(
         "source": "" if book is not None or model is not None else os.fspath(source),  # type: ignore[arg-type]
         "captures": files,
         "measured": measured,
-        "left_out": [os.fspath(p) for p in left_out],
+        "left_out": _files(left_out, "left_out"),
         "sidecar": os.fspath(sidecar or ""),
         "config": "" if config is None or has_table else os.fspath(config),  # type: ignore[arg-type]
         "config_text": _toml.dumps(config) if has_table else "",  # type: ignore[arg-type]
@@ -313,8 +323,8 @@ def fit(
         "span": None if span is None else one_si(span, "s", "span"),
         "left_out_span": None if left_out_span is None else one_si(left_out_span, "s", "left_out_span"),
         "ahead": None if ahead is None else one_si(ahead, "s", "ahead"),
-        "reference": reference,
-        "profiles": profiles,
+        "reference": truth(reference, "reference"),
+        "profiles": truth(profiles, "profiles"),
     }
     with Reported(progress) as report:
         made = _core.fit(request, book, model, report)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import os
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +24,12 @@ def unit(text: str) -> str:
 def write_page(path: "Path", page: str) -> None:
     """Writes a page for the browser: who reads it meanwhile sees the old one or the new, and never a part.
 
+    :raises ArgumentError: unless the name ends in .html: a name given by mistake would cost the file that has it
     :raises InputError: (an ``OSError``) where it cannot be written
     """
+    name = os.fspath(path)
+    if not name.lower().endswith(".html"):
+        raise ArgumentError(f'path is "{name}", expected a name that ends in .html')
     try:
         _core.write_text(path, page)
     except ArgumentError as error:
@@ -67,8 +72,9 @@ def codebook(book: "Codebook", outlines: list[dict[str, Any]]) -> str:
         said = "met" if certificate.met else "MISSED"
         verdict = flag(certificate.met, f"certificate {certificate.verdict if certificate.met else said}") + html.escape(
             f": largest error {certificate.max_error:.3g}, asked for {certificate.tolerance:.3g}, "
-            f"at {certificate.points} points against {certificate.integrator}"
-            + (f", of which {certificate.failed_points} failed" if certificate.failed_points else "")
+            f"at {certificate.points} points"
+            + (f", of which {certificate.failed_points} failed," if certificate.failed_points else "")
+            + f" against {certificate.integrator}"
         )
         verdict += errors
     title = html.escape(book.title or f"Codebook of {book.model['name']}")

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _html, _toml
 from ._building import Path, Progress, Reported
+from ._contents import Coordinate
 from ._errors import ArgumentError
 from ._labels import optional
 from ._motion import FEATURES
 from ._pattern_tools import Clusters, gaussian_mixture, k_means
-from ._units import check_names, real_array, whole
+from ._units import by_name, check_names, names_in, real_array, stacked, whole
 
 
 class Sweep:
@@ -87,14 +88,19 @@ class Sweep:
         return self._core.shares()
 
     def _points(self, points: ArrayLike) -> NDArray[np.float64]:
-        given = np.ascontiguousarray(real_array(points, "points"))
+        named = by_name(points, "points")
+        if named is None:
+            given = np.ascontiguousarray(real_array(points, "points"))
+        else:
+            boxes = [(min(axis, default=-np.inf), max(axis, default=np.inf)) for axis in self.axes]
+            given = stacked(named, [Coordinate(n, u, "", *box) for n, u, box in zip(self.names, self.units, boxes)], "points")
         if given.ndim == 0 or given.shape[-1] != len(self.names):
             raise ArgumentError(f"points have the shape {given.shape}, expected (.., {len(self.names)})")
         return given
 
     def at(self, points: ArrayLike, release: int = 0) -> tuple[NDArray[np.str_], NDArray[np.float64], NDArray[np.float64]]:
-        """The map of one release at (.., coordinates), SI: patterns, the share of the seven nearest falls that have them, and
-        the distance to the nearest fall of another one (the box has sides of length 1)."""
+        """The map of one release at (.., coordinates), SI, or at those of a frame by name: patterns, the share of the seven
+        nearest falls that have them, and the distance to the nearest fall of another one (the box has sides of length 1)."""
         given = self._points(points)
         found, probability, distance = self._core.at(given.reshape(-1, len(self.names)), whole(release, "release") or 0)
         shape = given.shape[:-1]
@@ -124,7 +130,7 @@ class Sweep:
     def clusters(
         self,
         count: int,
-        features: Iterable[str] = ("tilt", "flips", "drift", "recurrence"),
+        features: Union[str, Iterable[str]] = ("tilt", "flips", "drift", "recurrence"),
         *,
         mixture: bool = False,
         release: int = 0,
@@ -133,7 +139,7 @@ class Sweep:
         """Clusters of the falls of a release that know these features, each scaled to deviation 1: k-means, or a mixture of
         normal distributions. Returns numbers of these falls, and the clusters."""
         names = [feature.name for feature in FEATURES]
-        wanted = list(features)
+        wanted = names_in(features, "features")
         check_names(wanted, names, "feature")
         numbers = self.features[:, [names.index(name) for name in wanted]]
         known = np.isfinite(numbers).all(axis=1) & (np.arange(len(numbers)) % self._release_count == whole(release, "release"))

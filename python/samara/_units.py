@@ -20,7 +20,7 @@ def to_si(value: Quantity, unit: str, what: str) -> NDArray[np.float64]:
     """The value in SI, as an array (of no dimension for one number)."""
     if isinstance(value, str):
         return np.asarray(_si(value, unit, what))
-    array = np.asarray(value)
+    array = _unmasked(value, what)
     if array.dtype.kind in "US" or array.dtype.kind == "O":
         flat = [_si(v, unit, what) if isinstance(v, str) else _number(v, what) for v in array.ravel().tolist()]
         return np.array(flat, dtype=float).reshape(array.shape)
@@ -49,25 +49,36 @@ def one_difference(value: Quantity, unit: str, what: str) -> float:
 def _number(value: Any, what: str) -> float:
     try:
         return float(value)
+    except OverflowError:
+        raise ArgumentError(f"{what} is beyond the largest number, {np.finfo(float).max:.1e}") from None
     except (TypeError, ValueError):
         raise ArgumentError(f"{what} is {value!r}, expected a number or a text with a unit") from None
 
 
-def whole(value: Any, what: str, most: int = 2**31 - 1) -> Optional[int]:
+def whole(value: Any, what: str, most: int = 2**31 - 1, least: int = 0) -> Optional[int]:
     """A count that may be left out."""
     if value is None:
         return None
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not 0 <= value <= most:
-        raise ArgumentError(f"{what} is {value!r}, expected a whole number from 0 on")
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or value < least:
+        raise ArgumentError(f"{what} is {value!r}, expected a whole number from {least} on")
+    if value > most:
+        raise ArgumentError(f"{what} is {value}, expected a whole number from {least} to {most}")
     return int(value)
+
+
+def truth(value: Any, what: str) -> bool:
+    """True or False, of Python or NumPy."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ArgumentError(f"{what} is {value!r}, expected True or False")
+    return bool(value)
 
 
 def names_in(given: Any, what: str) -> list[str]:
     """Names; one alone is a text."""
-    names = [given] if isinstance(given, str) else given
-    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+    names: list[Any] = [given] if isinstance(given, str) else list(given) if isinstance(given, Iterable) else [None]
+    if not all(isinstance(name, str) for name in names):
         raise ArgumentError(f"{what} are {given!r}, expected names")
-    return list(names)
+    return names
 
 
 def _si(text: str, unit: str, what: str, reader: Callable[[str, str], float] = _core.si) -> float:
@@ -79,10 +90,41 @@ def _si(text: str, unit: str, what: str, reader: Callable[[str, str], float] = _
 
 def real_array(values: Any, what: str) -> NDArray[np.float64]:
     """As doubles, which complex numbers and texts are not."""
-    array = np.asarray(values)
+    array = _unmasked(values, what)
     if array.dtype.kind not in "fiub":
         raise ArgumentError(f"{what} are of the type {array.dtype}, expected numbers")
     return array.astype(float, copy=False)
+
+
+def _unmasked(values: Any, what: str) -> NDArray[Any]:
+    """As an array, which knows nothing of a mask."""
+    missing = mask_of(values)
+    if missing is not None and missing.any():
+        raise ArgumentError(f"{what}: {missing.sum()} of {missing.size} values are masked, expected none")
+    return np.asarray(values)
+
+
+def mask_of(values: Any) -> Optional[NDArray[np.bool_]]:
+    """Where a masked array has no value; None of another one."""
+    return np.broadcast_to(values.mask, values.shape) if isinstance(values, np.ma.MaskedArray) else None
+
+
+def by_name(given: Any, what: str) -> Optional[Mapping[str, Any]]:
+    """Values by name: of a mapping, by the columns of a frame, or of one of its rows; None of what has no names."""
+    if isinstance(given, Mapping):
+        return given
+    if hasattr(given, "columns"):
+        names = list(given.columns)
+    elif hasattr(given, "keys") and hasattr(given, "index"):
+        names = list(given.keys())
+        if not all(isinstance(name, str) for name in names):
+            return None
+    else:
+        return None
+    for name in names:
+        if names.count(name) > 1:
+            raise ArgumentError(f'{what} have "{name}" more than once, expected each name once')
+    return {name: given[name] for name in names}
 
 
 def as_mapping(given: Any, what: str) -> Mapping[str, Any]:

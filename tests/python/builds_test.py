@@ -186,7 +186,7 @@ def test_a_checkpoint_is_taken_up_by_the_same_function_only(kind, tmp_path, monk
         assert checkpoint.exists()
 
     stop()
-    with pytest.raises(samara.InputError, match="another"):
+    with pytest.raises(samara.InputError, match="another .*; resume=False begins anew"):
         separated(2.0)
     assert separated(1.0) == pytest.approx(1.0, abs=1e-5)
 
@@ -205,6 +205,13 @@ def test_a_checkpoint_of_what_cannot_be_told_is_not_taken_up(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         samara.separate(locked, {"a": (-1, 1)}, ["u"], 1e-4, checkpoint=checkpoint, certificate_points=20)
+
+
+def test_a_checkpoint_that_cannot_be_written_is_warned_of(tmp_path):
+    with pytest.warns(UserWarning, match="no checkpoint: .*none/build.checkpoint"):
+        book = samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], checkpoint=tmp_path / "none" / "build.checkpoint",
+                               certificate_points=20)
+    assert book.certificate.met
 
 
 def test_the_identity_of_a_function_is_alike_in_all_runs_and_that_of_a_model_is_all_of_it():
@@ -243,8 +250,8 @@ def test_a_plan_file_with_a_model_of_ones_own_is_refused_with_its_place(tmp_path
         samara.build(plan, model())
     with pytest.raises(samara.InputError, match="none.toml"):
         samara.build(tmp_path / "none.toml", model())
-    for wrong in [lambda: samara.build(3), lambda: samara.build(plan, "vertical_fall"),
-                  lambda: samara.build(plan, model(), certificate_points=1.5)]:
+    for wrong in [lambda: samara.build(3), lambda: samara.build(plan, "vertical_fall"), lambda: samara.build({}, model=3),
+                  lambda: samara.build(plan, model(), certificate_points=1.5), lambda: samara.build(plan, model(), resume="no")]:
         with pytest.raises(samara.ArgumentError, match="expected"):
             wrong()
 
@@ -312,6 +319,12 @@ def test_what_the_function_raises_or_gets_wrong_comes_back():
         (lambda: samara.separate(lambda x: x, {"a": (None, 1)}, ["u"]), "a is None"),
         (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, [1]), r"outputs are \[1\]"),
         (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], certificate_points=1.5), "certificate_points is 1.5"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], certificate_points=-1), "is -1, expected .* from 1 on"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], certificate_points=0), "is 0, expected .* from 1 on"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u", "u"]), 'outputs have "u" more than once'),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], pool=3), "pool is of the type int, expected an executor"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], resume="no"), "resume is 'no', expected True or False"),
+        (lambda: samara.separate(3, {"a": (0, 1)}, ["u"]), "the function is of the type int"),
     ]:
         with pytest.raises(samara.ArgumentError, match=text):
             call()

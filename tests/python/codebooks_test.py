@@ -137,8 +137,14 @@ def test_statistics_of_distributions_are_those_of_the_command(coin, coin_path):
         np.testing.assert_array_equal(s.group_closed[output["name"]][:, 0], np.array(output["groups"][0]["closed"], float))
     held = coin.sobol(fixed={"v(0)": "10 cm/s"})
     assert held.inputs == ("C_D",)
-    for wrong in [{"C_D": ("gauss", 1, 1)}, {"C_D": ("normal", 1)}, {"C_X": ("normal", 1, 1)}, {"C_D": "normal(1, 1)"},
-                  {"C_D": ("normal", float("nan"), 1)}]:
+    one = coin.sobol(groups="C_D", quantiles=0.5)
+    assert one.groups == coin.sobol(groups=["C_D"]).groups == (("C_D",),)
+    np.testing.assert_array_equal(one.quantiles["v"], coin.sobol(quantiles=[0.5]).quantiles["v"])
+    for wrong in [3, [3]]:
+        with pytest.raises(samara.ArgumentError, match="are 3, expected"):
+            coin.sobol(groups=wrong)
+    for wrong in [{"C_D": 1.1}, {"foo": 1}, {"C_D": ("gauss", 1, 1)}, {"C_D": ("normal", 1)}, {"C_X": ("normal", 1, 1)},
+                  {"C_D": "normal(1, 1)"}, {"C_D": ("normal", float("nan"), 1)}]:
         with pytest.raises(samara.ArgumentError):
             coin.sobol(wrong)
 

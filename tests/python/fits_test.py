@@ -46,6 +46,10 @@ def test_the_report_and_words_are_those_of_the_command(coin_path, result, tmp_pa
     assert len(a) == pytest.approx(len(b), abs=100) and b.startswith(a[:200])
     with pytest.raises(samara.InputError, match="/nowhere/fit.html"):
         result.report("/nowhere/fit.html")
+    (tmp_path / "coin.toml").write_text("mine")
+    with pytest.raises(samara.ArgumentError, match='coin.toml", expected a name that ends in .html'):
+        result.report(tmp_path / "coin.toml")
+    assert (tmp_path / "coin.toml").read_text() == "mine"
     # The old page is replaced, not overwritten: whoever reads it meanwhile has it to the end.
     (tmp_path / "read.html").hardlink_to(tmp_path / "a.html")
     result.report(tmp_path / "a.html")
@@ -152,6 +156,40 @@ def test_tables_in_memory_are_fitted_as_their_files(coin, tmp_path):
     assert memory["C_D"].value == pytest.approx(1.3, abs=0.02)
 
 
+def test_a_value_that_is_masked_or_missing_was_not_seen_and_times_may_be_differences(coin):
+    t = np.linspace(0, 0.4, 25)
+    x = coin.query({"C_D": 1.3, "v(0)": 0.1}, t, outputs=["x"])[:, 0]
+    gone = np.arange(25) % 5 == 2
+    seen = {"t[s]": t, "x[m]": np.where(gone, np.nan, x)}
+
+    def fitted(columns):
+        return samara.fit(coin, {"drop [1]": columns}, {"outputs": ["x"]})
+
+    expected = fitted(seen)
+    assert expected["C_D"].value == pytest.approx(1.3, rel=1e-6) and expected.captures[0].id == "drop [1]"
+    wrong = np.where(gone, 7.0, x)
+    for values in (np.ma.array(wrong, mask=gone), np.ma.array(wrong.astype(object), mask=gone), np.where(gone, None, x),
+                   np.where(gone, "nan", x.astype("U30"))):
+        assert fitted({**seen, "x[m]": values})["C_D"].value == expected["C_D"].value
+    for head in ("t[s]", "t[ms]"):
+        differences = (1e9 * t).round().astype("timedelta64[ns]")
+        assert fitted({head: differences, "x[m]": seen["x[m]"]})["C_D"].value == pytest.approx(expected["C_D"].value, rel=1e-6)
+    for column, values, text in [
+        ("t[s]", np.datetime64("2026-01-01") + differences, r"of the type datetime64\[ns\], expected numbers"),
+        ("x[m]", differences, r"of the type timedelta64\[ns\], expected numbers"),
+        ("x[m]", gone, "of the type bool"),
+        ("x[m]", x + 0j, "of the type complex128"),
+        ("x[m]", ["high"] * 25, "has the value 'high', expected numbers"),
+        ("t[s]", np.ma.array(t, mask=gone), "or one is missing"),
+    ]:
+        with pytest.raises(samara.ArgumentError, match=rf"(?=.*drop \[1\]).*{text}"):
+            fitted({**seen, column: values})
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"t[s]": pandas.to_timedelta(t, "s"), "x[m]": pandas.array(wrong, "Float64")})
+    frame.loc[gone, "x[m]"] = pandas.NA
+    assert fitted(frame)["C_D"].value == pytest.approx(expected["C_D"].value, rel=1e-6)
+
+
 def test_frames_are_captures_and_coefficients_become_one(coin):
     pandas = pytest.importorskip("pandas")
     t = np.linspace(0, 0.4, 25)
@@ -236,6 +274,13 @@ def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
         (lambda: samara.fit(coin, [COIN / "coin.toml"], progress="yes"), samara.ArgumentError, "progress is 'yes'"),
         (lambda: samara.fit("vertical_fall", [COIN / "coin.toml"]), ValueError, "box"),
         (lambda: samara.fit(coin, []), ValueError, "CAPTURE"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], span=0), samara.ArgumentError, "^span is 0 s"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], left_out="test.toml"), samara.ArgumentError, "^left_out needs ahead"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], left_out=[{"t[s]": [0.0]}]), samara.ArgumentError,
+         "left_out has one of the type dict, expected files"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], left_out=3), samara.ArgumentError, "left_out has one of the type int"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], reference="yes"), samara.ArgumentError, "reference is 'yes', expected True"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], profiles="no"), samara.ArgumentError, "profiles is 'no', expected True"),
     ]:
         with pytest.raises(kind, match=text) as raised:
             call()

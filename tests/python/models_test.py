@@ -270,6 +270,10 @@ def test_what_a_model_derives_is_asked_of_its_codebook(tmp_path):
     out = np.empty((9, 1))
     assert book.query({"length": 1.1}, times, outputs=["tip"], out=out) is out
     np.testing.assert_array_equal(out, book.query({"length": 1.1}, times, outputs=["tip"]))
+    for room in (np.empty((2, 9)).T, book.query({"length": 1.1}, times, outputs=["angle", "spin"])):
+        # The times of one of stored outputs run fastest in memory.
+        assert book.query({"length": 1.1}, times, outputs=["tip", "angle"], out=room) is room
+        np.testing.assert_array_equal(room, book.query({"length": 1.1}, times, outputs=["tip", "angle"]))
     one = book.query({"length": 1.1}, times[3], outputs="tip")
     assert one.shape == (1,) and one[0] == out[3, 0]
     pandas = pytest.importorskip("pandas")

@@ -61,12 +61,24 @@ def test_a_sweep_is_a_frame_and_a_map_and_a_page(tmp_path):
     np.testing.assert_allclose(states[1, 0, names.index("theta")], np.radians(40))
     with pytest.raises(samara.InputError, match="/nowhere/page.html"):
         swept.report("/nowhere/page.html")
+    with pytest.raises(samara.ArgumentError, match='sweep.h5", expected a name that ends in .html'):
+        swept.report(tmp_path / "sweep.h5")
     swept.report(tmp_path / "page.html")
     assert "default-src 'none'" in (tmp_path / "page.html").read_text()
     with pytest.raises(samara.ArgumentError, match="inside the box"):
         swept.at([9.0, 2.5])
     pytest.importorskip("pandas")
     frame = swept.frame
+    # By name, in whatever order.
+    by_name = frame[["C_R", "inertia_ratio"]][::2]
+    for found, expected in zip(swept.at(by_name), swept.at(swept.points)):
+        np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(swept.clamp("zigzag", by_name), swept.clamp("zigzag", swept.points))
+    with pytest.raises(samara.ArgumentError, match='"tilt" is unknown'):
+        swept.at(frame[["C_R", "inertia_ratio", "tilt"]])
+    for of_one, of_list in zip(swept.clusters(2, "drift"), swept.clusters(2, ["drift"])):
+        np.testing.assert_equal(vars(of_one) if isinstance(of_one, samara.Clusters) else of_one,
+                                vars(of_list) if isinstance(of_list, samara.Clusters) else of_list)
     assert len(frame) == 54 and frame["release_tilt"].nunique() == 2
     np.testing.assert_array_equal(frame["inertia_ratio"][::2], swept.points[:, 0])
     steady = frame[frame["pattern"] == "zigzag"]
@@ -436,6 +448,9 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
     for wrong, part in [([True, False], "mask of the shape"), ([0.0, 1.0], "of the type float64"), (["1"], "of the type <U1")]:
         with pytest.raises(samara.ArgumentError, match=part):
             some.release([0, 0, 1], bodies=wrong)
+    for places, yaw in [(np.ones((4, 3)), 0.0), (np.ones(2), 0.0), (np.ones((0, 3)), 0.0), (np.ones(3), np.ones(4))]:
+        with pytest.raises(samara.ArgumentError, match=r"(places|yaw) of 5 bodies: the shape is .*, expected \((3,)?\) or \(5,( 3)?\)"):
+            some.release(places, yaw)
     with pytest.raises(samara.ArgumentError, match="choice is"):
         samara.Bodies(motions, 3, choice="best")
     with pytest.raises(samara.ArgumentError, match="count of bodies"):

@@ -91,6 +91,31 @@ def test_outputs_are_given_in_the_order_wanted_and_coordinates_can_be_held(coin)
     np.testing.assert_allclose(held[0, 0], all_values[-1, names.index("x")], rtol=1e-12)
 
 
+def test_frames_are_read_by_the_names_of_their_columns(coin):
+    pandas = pytest.importorskip("pandas")
+    points = points_of(coin, 5)
+    frame = pandas.DataFrame(points, columns=[c.name for c in coin.coordinates])
+    turned = frame[frame.columns[::-1]]
+    assert np.array_equal(coin.at(turned), coin.at(points))
+    assert np.array_equal(coin.at(turned.iloc[2]), coin.at(points[2]))
+    assert np.array_equal(coin.at(turned[["v(0)", "C_D"]], fixed={"t": 0.1}), coin.at(points[:, 1:], fixed={"t": 0.1}))
+    assert np.array_equal(coin.query(turned[["v(0)", "C_D"]], TIMES), coin.query(points[:, 1:], TIMES))
+    for wrong, text in [(turned, '"t" is unknown'), (turned[["C_D"]], r"v\(0\) is not given"),
+                        (turned[["C_D", "v(0)", "C_D"]], "more than once")]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            coin.query(wrong, TIMES)
+
+
+def test_masked_values_are_refused(coin):
+    points = points_of(coin, 5)
+    hidden = np.ma.array(points, mask=points == points[1, 1])
+    assert np.array_equal(coin.at(np.ma.array(points)), coin.at(points))
+    for ask in (lambda: coin.at(hidden), lambda: coin.query(hidden[:, 1:], TIMES),
+                lambda: coin.query({"C_D": hidden[:, 1], "v(0)": 0}, TIMES)):
+        with pytest.raises(samara.ArgumentError, match="1 of .* values are masked, expected none"):
+            ask()
+
+
 def test_answers_go_into_arrays_of_the_caller(coin):
     points = points_of(coin, 1000)
     room = np.empty((1000, 2))
@@ -140,8 +165,10 @@ def test_precision_and_threads_change_answers_by_rounding_only(coin):
             with pytest.raises(samara.ArgumentError, match=f"precision is .?{wrong}.?, expected"):
                 ask(precision=wrong)
         for wrong in (1.5, "two", -1, True):
-            with pytest.raises(samara.ArgumentError, match="threads is .*, expected a whole number"):
+            with pytest.raises(samara.ArgumentError, match="threads is .*, expected a whole number from 0 on"):
                 ask(threads=wrong)
+        with pytest.raises(samara.ArgumentError, match="threads is 2147483648, expected a whole number from 0 to 2147483647"):
+            ask(threads=2**31)
         assert np.array_equal(ask(threads=np.int64(2)), ask())
     for more in ({"draws": 1.5}, {"seed": 1.5}):
         with pytest.raises(samara.ArgumentError, match="expected a whole number"):
@@ -160,6 +187,7 @@ def test_a_point_outside_the_box_is_a_value_error_that_names_it(coin):
         ({"C_D": 1.0, "v(0)": "3 kg"}, TIMES, "kg"),
         ({"C_D": 1.0, "v(0)": np.nan}, TIMES, "finite|nan"),
         ({"C_D": None, "v(0)": 0.0}, TIMES, "C_D is None, expected a number"),
+        ({"C_D": 10**400, "v(0)": 0.0}, TIMES, "C_D is beyond the largest number"),
         ({"C_D": 1.0, "v(0)": 0.0}, None, "times are not given"),
         ({"C_D": 1.0, "v(0)": 1j}, TIMES, "complex"),
         (np.ones((4, 2)) * 1j, TIMES, "complex"),
@@ -175,6 +203,8 @@ def test_a_codebook_without_time_answers_without_times(product):
     np.testing.assert_allclose(product.query({"a": "150 cm", "b": 0.5}), [0.75, 2.5], rtol=1e-12)
     values, slopes = product.query({"a": [0.0, 1.0], "b": 0.5}, gradient=True)
     np.testing.assert_allclose(slopes[1], [[0.5, 1.0], [1.0, 0.0]], atol=1e-10)
+    for room in (np.empty((2, 2)), np.empty((2, 2)).T):
+        assert product.query({"a": [0.0, 1.0], "b": 0.5}, out=room) is room and np.array_equal(room, values)
     with pytest.raises(ValueError, match="no time"):
         product.query({"a": 1.0, "b": 0.5}, [0.1])
 
