@@ -22,6 +22,8 @@ using hdf5::Source;
 
 namespace {
 
+constexpr std::string_view kSignature("\x89HDF\r\n\x1a\n", 8);
+
 /// What begins so, as far as it shows: " but a text".
 std::string what_it_is(std::string_view beginning) {
   std::string kind = binary_kind(beginning);
@@ -45,7 +47,6 @@ std::uint64_t check_beginning(const std::filesystem::path& path, const std::stri
   constexpr std::size_t kShortest = 48;  // a superblock of version 2 or 3
   std::array<char, kShortest> head = {};
   stream.read(head.data(), kShortest);
-  constexpr std::string_view kSignature("\x89HDF\r\n\x1a\n", 8);
   const std::string_view beginning(head.data(), static_cast<std::size_t>(stream.gcount()));
   if (!beginning.starts_with(kSignature)) {
     throw InputError(name, "is not an HDF5 file" + what_it_is(beginning) +
@@ -274,6 +275,25 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& dataset) const {
 
 InputError Hdf5Reader::error(const std::string& object, const std::string& sentence) const {
   return InputError(impl_->file.name, object + ": " + sentence);
+}
+
+bool is_hdf5_with(const std::filesystem::path& path, std::string_view mark) {
+  constexpr std::size_t kPart = std::size_t{1} << 20;
+  std::ifstream stream(path, std::ios::binary);
+  std::string bytes;
+  bool is_beginning = true;
+  while (stream) {
+    // The mark may begin in the part before.
+    bytes.erase(0, bytes.size() - std::min(bytes.size(), mark.size()));
+    const std::size_t kept = bytes.size();
+    bytes.resize(kept + kPart);
+    stream.read(bytes.data() + kept, static_cast<std::streamsize>(kPart));
+    bytes.resize(kept + static_cast<std::size_t>(stream.gcount()));
+    if (is_beginning && !bytes.starts_with(kSignature)) return false;
+    is_beginning = false;
+    if (bytes.find(mark) != std::string::npos) return true;
+  }
+  return false;
 }
 
 }  // namespace samara::io

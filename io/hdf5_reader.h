@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -85,5 +86,9 @@ class Hdf5Reader {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Whether a file begins as HDF5 and holds these bytes, such as its format: true of a damaged one, too, which cannot
+/// be opened.
+bool is_hdf5_with(const std::filesystem::path& path, std::string_view mark);
 
 }  // namespace samara::io

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -182,7 +183,8 @@ std::string identity_of(const SimulateArguments& arguments, const std::string& d
                       words.place, fmt::join(words.flow_at, " "), fmt::join(words.turbulence, " "));
   for (const std::string& file : {arguments.wind, words.flow}) {
     if (file.empty()) continue;
-    if (!std::filesystem::is_regular_file(file)) return "";
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return "";
     // The files may have changed since.
     std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
     for (const char c : io::read_text_file(file, {.bytes = std::numeric_limits<std::size_t>::max()}))

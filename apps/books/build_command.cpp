@@ -11,6 +11,7 @@
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/io/file_lock.h"
 #include "samara/io/toml_document.h"
 #include "terminal/interrupts.h"
@@ -50,7 +51,7 @@ codebooks::BuildOptions build_options(const BuildArguments& arguments) {
   const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
   if (arguments.resume && !is_there)
     throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
-  if (arguments.fresh) std::filesystem::remove(options.checkpoint, ignored);
+  if (arguments.fresh) codebooks::remove_checkpoint(options.checkpoint);
   options.progress = [report = progress_line(), path = options.checkpoint,
                       goes_on = is_there && !arguments.fresh](const Progress& progress) mutable {
     if (goes_on)

@@ -14,6 +14,7 @@
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/identification/files/fit_files.h"
 #include "samara/identification/report/fit_page.h"
@@ -91,7 +92,8 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
   if (!arguments.series.empty()) check_file_output(arguments.series, inputs);
   const auto is_problem = [](const std::string& file) {
-    return file.ends_with(".yaml") || file.ends_with(".yml");
+    const std::string ending = ending_of(file);
+    return ending == ".yaml" || ending == ".yml";
   };
   if (!arguments.petab.empty() && std::ranges::none_of(arguments.captures, is_problem))
     throw ArgumentError("--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
@@ -105,7 +107,7 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   // Last: a call that is refused leaves no folder behind.
   std::error_code reason;
   std::filesystem::create_directory(arguments.petab, reason);
-  if (!std::filesystem::is_directory(arguments.petab))
+  if (!std::filesystem::is_directory(arguments.petab, reason))
     throw ArgumentError(
         fmt::format("--petab names \"{}\", which is no folder and cannot become one", arguments.petab));
   for (const std::string& file : petab_files(arguments)) check_output(file, inputs);

@@ -11,11 +11,13 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/flow/books/energy_book.h"
 #include "samara/flow/books/field_book.h"
 #include "samara/flow/books/planned_flow.h"
 #include "samara/flow/files/flow_file.h"
 #include "samara/flow/files/flow_plan.h"
+#include "samara/flow/march/flow_checkpoint.h"
 #include "samara/io/file_lock.h"
 #include "samara/models/bodies/mesh_file.h"
 #include "terminal/interrupts.h"
@@ -46,6 +48,11 @@ void check_flow_target(const FlowArguments& arguments) {
                     arguments.output));
 }
 
+/// A flow and a book of flows keep theirs under the same name.
+constexpr codebooks::CheckpointKind kOfFlowOrBook = {
+    "a flow or a book of flows",
+    [](const fs::path& file) { return flow::is_flow_checkpoint(file) || codebooks::is_journal(file); }};
+
 /// What an earlier run with the same output has left.
 /// @throws ArgumentError if the user insists on it, and there is nothing
 fs::path checkpoint_of(const FlowArguments& arguments) {
@@ -54,6 +61,13 @@ fs::path checkpoint_of(const FlowArguments& arguments) {
   if (arguments.resume && !fs::exists(checkpoint, ignored))
     throw ArgumentError(fmt::format("--resume: there is no {} to go on from", checkpoint.string()));
   return checkpoint;
+}
+
+int end_interrupted_flow(const fs::path& checkpoint) {
+  warn(codebooks::is_checkpoint(checkpoint)
+           ? fmt::format("interrupted; {} is kept: the same line goes on from there", checkpoint.string())
+           : std::string("interrupted, and nothing is kept"));
+  return kInterrupted;
 }
 
 /// What an earlier run has left is taken up, unless the user wants to begin anew.
@@ -70,10 +84,10 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
     // No plan that is refused takes hours of another with it.
     flow::check_case(plan.flow, plan.max_memory);
     if (plan.flow.motion) flow::check_path(plan.flow, options);
-    std::error_code ignored;
-    fs::remove(options.checkpoint, ignored);
+    codebooks::remove_checkpoint(options.checkpoint, kOfFlowOrBook);
   }
   options.progress = progress_line();
+  options.warning = [](const std::string& sentence) { warn(sentence); };
   return options;
 }
 
@@ -90,16 +104,14 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     fs::remove(flow::finer_checkpoint(options.checkpoint), ignored);
   };
   flow::check_book(plan);  // no plan that is refused takes hours of another with it
-  if (arguments.fresh || !fs::exists(options.checkpoint, ignored)) forget_flows();
-  const auto interrupted = [&] {
-    warn(fmt::format("interrupted; {} keeps the flows that were found: the same line goes on from there",
-                     options.checkpoint.string()));
-    return kInterrupted;
-  };
+  codebooks::check_checkpoint_path(options.checkpoint,
+                                   arguments.fresh ? kOfFlowOrBook : codebooks::kJournalKind);
+  codebooks::check_checkpoint_path(flow::finer_checkpoint(options.checkpoint));
+  if (arguments.fresh || !codebooks::is_checkpoint(options.checkpoint)) forget_flows();
   try {
     const codebooks::BuildResult result =
         plan.of_fields ? flow::build_field_book(plan, options) : flow::build_energy_book(plan, options);
-    if (is_interrupted()) return interrupted();
+    if (is_interrupted()) return end_interrupted_flow(options.checkpoint);
     codebooks::save(result.book, arguments.output);
     if (!arguments.json) print(to_table(*result.book.certificate(), result.book));
     const Eigen::VectorXd change = plan.of_fields ? flow::field_discretisation(plan, result.book, options)
@@ -107,7 +119,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     clear_progress();
     codebooks::save(flow::with_discretisation(result.book, change), arguments.output);
     std::string text = fmt::format(
-        "twice the cells, at both ends of the box, change by these shares of the same ranges{}:\n",
+        "twice the cells, at both ends of the box, change by these shares of the range between them{}:\n",
         plan.of_fields ? ", in root mean square over the places" : "");
     for (Eigen::Index o = 0; o < change.size(); ++o)
       text += fmt::format("  {:<14} {:.3g}\n", result.book.outputs()[static_cast<std::size_t>(o)].name,
@@ -129,7 +141,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
     return kToleranceMissed;
   } catch (const NoResultError&) {
-    if (is_interrupted()) return interrupted();
+    if (is_interrupted()) return end_interrupted_flow(options.checkpoint);
     throw;
   }
 }
@@ -155,11 +167,7 @@ int run_flow(const FlowArguments& arguments) {
   const flow::FlowResult result = flow::solve_flow(plan.flow, options);
   clear_progress();
   for (const std::string& warning : result.warnings) warn(warning);
-  if (result.status == flow::FlowStatus::cancelled) {
-    warn(fmt::format("interrupted; {} is kept: the same line goes on from there",
-                     options.checkpoint.string()));
-    return kInterrupted;
-  }
+  if (result.status == flow::FlowStatus::cancelled) return end_interrupted_flow(options.checkpoint);
   if (result.status == flow::FlowStatus::diverged) {
     const bool kept = fs::exists(options.checkpoint, ignored);
     throw NoResultError(fmt::format(
@@ -174,9 +182,11 @@ int run_flow(const FlowArguments& arguments) {
     fs::remove(options.checkpoint, ignored);
     return kDone;
   }
-  warn(fmt::format(
-      "{} is written and marked: {}; {} is kept: the same line with a larger max_time goes on from there",
-      arguments.output, result.message, options.checkpoint.string()));
+  std::string kept;
+  if (codebooks::is_checkpoint(options.checkpoint))
+    kept = fmt::format("; {} is kept: the same line with a larger max_time goes on from there",
+                       options.checkpoint.string());
+  warn(fmt::format("{} is written and marked: {}{}", arguments.output, result.message, kept));
   return kToleranceMissed;
 }
 

@@ -39,7 +39,8 @@ bool is_whole(const std::string& path) {
 void load(const std::string& path) {
   if (!is_whole(path)) throw InputError(path, "is cut short: it ends before its table of sections does");
   // An absolute path: the loader would look for a plain name in the folders of the system.
-  void* library = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
+  std::error_code unknown;
+  void* library = dlopen(std::filesystem::absolute(path, unknown).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) throw InputError(path, fmt::format("cannot be loaded: {}", dlerror()));
   const auto interface = find_function<const char* (*)()>(library, "samara_model_interface");
   const auto add_models = find_function<void (*)(models::AddModel)>(library, "samara_add_models");

@@ -9,6 +9,7 @@
 #include "motion/motion_answers.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/io/file_lock.h"
 #include "samara/motion/sweeps/refining.h"
 #include "samara/motion/sweeps/sweep_file.h"
@@ -39,11 +40,12 @@ motion::SweepOptions sweep_options(const SweepArguments& arguments) {
   motion::SweepOptions options;
   options.checkpoint = arguments.output + ".part";
   options.progress = progress_line();
+  options.warning = [](const std::string& sentence) { warn(sentence); };
   std::error_code ignored;
   const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
   if (arguments.resume && !is_there)
     throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
-  if (arguments.fresh) std::filesystem::remove(options.checkpoint, ignored);
+  if (arguments.fresh) codebooks::remove_checkpoint(options.checkpoint, motion::kSweepCheckpoint);
   return options;
 }
 

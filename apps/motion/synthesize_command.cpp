@@ -13,6 +13,7 @@
 #include "pictures/shown_bodies.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/save.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/identification/series/series_codebook.h"
 #include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
@@ -22,6 +23,7 @@
 #include "samara/motion/pages/motion_page.h"
 #include "samara/motion/planning/motion_picture.h"
 #include "samara/motion/planning/planner.h"
+#include "samara/motion/planning/planning_state.h"
 #include "terminal/interrupts.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
@@ -100,12 +102,14 @@ void write_motion(const SynthesizeArguments& arguments, const motion::MotionPlan
 
 /// Where an interrupted search is kept. @throws ArgumentError for --resume without any
 motion::PlanningOptions planning_options(const SynthesizeArguments& arguments) {
-  motion::PlanningOptions options{.progress = progress_line(), .checkpoint = arguments.output + ".part"};
+  motion::PlanningOptions options{.progress = progress_line(),
+                                  .checkpoint = arguments.output + ".part",
+                                  .warning = [](const std::string& sentence) { warn(sentence); }};
   std::error_code ignored;
   const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
   if (arguments.resume && !is_there)
     throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
-  if (arguments.fresh) std::filesystem::remove(options.checkpoint, ignored);
+  if (arguments.fresh) codebooks::remove_checkpoint(options.checkpoint, motion::kPlanningCheckpoint);
   return options;
 }
 

@@ -163,17 +163,27 @@ InputError bad_checkpoint(const std::filesystem::path& path, const std::string& 
   return InputError(path.string(), fmt::format("{}; --fresh begins anew, and removes it", reason));
 }
 
-void check_checkpoint_path(const std::filesystem::path& path) {
+void check_checkpoint_path(const std::filesystem::path& path, const CheckpointKind& kind) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
-    throw InputError(path.string(), "is a folder, expected a file for the checkpoint of a build");
+    throw InputError(path.string(),
+                     fmt::format("is a folder, expected a file for the checkpoint of {}", kind.of));
   if (!std::filesystem::exists(path, ignored)) return;
   // Of a pipe nothing could be read again, and to open one may wait for ever.
   if (!std::filesystem::is_regular_file(path, ignored))
-    throw InputError(path.string(), "is no regular file, expected one for the checkpoint of a build");
-  if (!std::filesystem::is_empty(path, ignored) && !is_journal(path))
     throw InputError(path.string(),
-                     "this is no checkpoint, and would be lost: move it, or choose another name");
+                     fmt::format("is no regular file, expected one for the checkpoint of {}", kind.of));
+  if (!std::filesystem::is_empty(path, ignored) && !kind.is_one(path))
+    throw InputError(
+        path.string(),
+        fmt::format("this is no checkpoint of {}, and would be lost: move it, or choose another name",
+                    kind.of));
+}
+
+void remove_checkpoint(const std::filesystem::path& path, const CheckpointKind& kind) {
+  check_checkpoint_path(path, kind);
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
 }
 
 Checkpoint::Checkpoint(std::filesystem::path path, std::string plan)

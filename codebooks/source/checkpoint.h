@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,9 +17,21 @@ namespace samara::codebooks {
 /// Whether there is a checkpoint; a path that the system refuses has none.
 bool is_checkpoint(const std::filesystem::path& path);
 
-/// Of a path whose file a build replaces, and removes in the end: nothing stands there, an empty file, or a
-/// checkpoint. @throws InputError if anything else does
-void check_checkpoint_path(const std::filesystem::path& path);
+/// A kind of checkpoints. Files are known by their beginning or their format, damaged ones, too: what is more is looked
+/// at by whoever goes on from them.
+struct CheckpointKind {
+  const char* of;                                     ///< what they are checkpoints of, "a build"
+  bool (*is_one)(const std::filesystem::path& file);  ///< of a regular file
+};
+
+inline constexpr CheckpointKind kJournalKind = {"a build or a cloud", is_journal};
+
+/// Of a path whose file is replaced, and removed in the end: nothing stands there, an empty file, or a checkpoint of
+/// the kind. @throws InputError if anything else does
+void check_checkpoint_path(const std::filesystem::path& path, const CheckpointKind& kind = kJournalKind);
+
+/// To begin anew. @throws InputError as check_checkpoint_path()
+void remove_checkpoint(const std::filesystem::path& path, const CheckpointKind& kind = kJournalKind);
 
 /// Why a checkpoint cannot be taken up, and what the user can do about it.
 InputError bad_checkpoint(const std::filesystem::path& path, const std::string& reason);
@@ -87,18 +100,20 @@ class Checkpoint {
   std::vector<HeldSheet> held_;        ///< calls in the file
 };
 
-/// A disk that is full must not end a build that needs no disk: what `save` throws is told, once.
-template <class State>
-std::function<void(const State&)> told_once(std::function<void(const State&)> save,
-                                            std::function<void(const std::string&)> warning) {
-  return [save = std::move(save), warning = std::move(warning), warned = false](const State& state) mutable {
-    try {
-      save(state);
-    } catch (const Error& error) {  // a file that cannot be written, or read before it is written anew
-      if (!warned && warning) warning(std::string("no checkpoint: ") + error.what());
-      warned = true;
-    }
-  };
+/// A disk that is full must not end work that needs no disk: what `save` throws is told, once.
+template <class... State>
+std::function<void(const State&...)> told_once(
+    std::type_identity_t<std::function<void(const State&...)>> save,
+    std::function<void(const std::string&)> warning) {
+  return
+      [save = std::move(save), warning = std::move(warning), warned = false](const State&... state) mutable {
+        try {
+          save(state...);
+        } catch (const Error& error) {  // a file that cannot be written, or read before it is written anew
+          if (!warned && warning) warning(std::string("no checkpoint: ") + error.what());
+          warned = true;
+        }
+      };
 }
 
 }  // namespace samara::codebooks

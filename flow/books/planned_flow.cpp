@@ -103,7 +103,8 @@ std::string checkpointed_text(const FlowPlan& plan) {
 codebooks::BuildResult run_build(
     const codebooks::BuildOptions& options,
     const std::function<codebooks::BuildResult(const codebooks::BuildOptions& options)>& build) {
-  codebooks::check_checkpoint_path(options.checkpoint);
+  // It is not written before the book is done: after hours it would be late to refuse what stands there.
+  codebooks::check_checkpoint_path(finer_checkpoint(options.checkpoint));
   bool cancelled = false;
   codebooks::BuildOptions guarded = options;
   if (options.progress) {

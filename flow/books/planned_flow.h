@@ -34,6 +34,7 @@ std::string checkpointed_text(const FlowPlan& plan);
 
 /// Runs the build of a book as codebooks::build() has it: what was cancelled once stays cancelled, and the checkpoint
 /// of a build that is done is removed, unless the options keep it.
+/// @throws InputError if another file stands in the place of finer_checkpoint()
 codebooks::BuildResult run_build(
     const codebooks::BuildOptions& options,
     const std::function<codebooks::BuildResult(const codebooks::BuildOptions& options)>& build);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <system_error>
 #include <type_traits>
 #include <vector>
 
@@ -15,6 +16,8 @@
 namespace samara::flow {
 
 namespace {
+
+constexpr const char* kCheckpointFormat = "samara-flow-checkpoint";
 
 /// visit(name, double, bool, long or vector of doubles) for all that a run holds.
 template <class Visitor>
@@ -100,9 +103,13 @@ std::string case_text(const FlowCase& flow, const FlowOptions& options) {
   return text;
 }
 
+bool is_flow_checkpoint(const std::filesystem::path& file) {
+  return io::is_hdf5_with(file, kCheckpointFormat);
+}
+
 void save_checkpoint(FlowRun& run, const std::filesystem::path& path) {
   io::Hdf5Writer file(path);
-  file.write_text_attribute("/", "format", "samara-flow-checkpoint");
+  file.write_text_attribute("/", "format", kCheckpointFormat);
   file.write_text_attribute("/", "case", run.text);
   file.write_number_attribute("/", "has_older", run.older ? 1.0 : 0.0);
   visit_state(run, [&](const std::string& name, auto& value) {
@@ -121,9 +128,10 @@ void save_checkpoint(FlowRun& run, const std::filesystem::path& path) {
 }
 
 bool load_checkpoint(FlowRun& run, const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) return false;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return false;
   const io::Hdf5Reader file(path);
-  if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != "samara-flow-checkpoint")
+  if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != kCheckpointFormat)
     throw file.error("/", "is no checkpoint of a flow");
   if (file.text_attribute("/", "case") != run.text)
     throw file.error(

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 #include "samara/base/streams.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/flow/march/flow_checkpoint.h"
 #include "samara/flow/march/flow_run.h"
 
@@ -150,7 +152,9 @@ std::string bad_place(const FlowMarch& march) {
 }
 
 /// Steps until one of the ends of FlowStatus.
-void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) {
+/// @param keep writes the checkpoint; empty: there is none
+void march_to_end(FlowRun& run, const FlowOptions& options, const std::function<void()>& keep,
+                  FlowResult& result) {
   auto last_checkpoint = std::chrono::steady_clock::now();
   Field k_before;
   while (true) {
@@ -189,8 +193,8 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
     if (!goes_on && state.time < options.max_time)
       return finish(run, FlowStatus::cancelled, fmt::format("cancelled at {:.4g} l/U", state.time), result);
     const auto now = std::chrono::steady_clock::now();
-    if (!options.checkpoint.empty() && now - last_checkpoint > kBetweenCheckpoints) {
-      save_checkpoint(run, options.checkpoint);
+    if (keep && now - last_checkpoint > kBetweenCheckpoints) {
+      keep();
       last_checkpoint = now;
     }
   }
@@ -317,6 +321,7 @@ FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options) {
     throw ArgumentError("solve_flow: the end \"time\" is that of bodies that move, and this one is held");
   if (flow.motion) check_path(flow, options);
   require(options.threads >= 0, "threads", options.threads, "0 for all cores, or their number", "solve_flow");
+  codebooks::check_checkpoint_path(options.checkpoint, kFlowCheckpoint);
   FlowResult result;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
@@ -331,10 +336,13 @@ FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options) {
     } else {
       start(run, options.seed);
     }
-    march_to_end(run, options, result);
+    std::function<void()> keep;
+    if (!options.checkpoint.empty())
+      keep = codebooks::told_once<>([&] { save_checkpoint(run, options.checkpoint); }, options.warning);
+    march_to_end(run, options, keep, result);
     result.checks.clipped_cells = run.not_positive;
     const bool can_go_on = result.status == FlowStatus::cancelled || result.status == FlowStatus::max_time;
-    if (can_go_on && !options.checkpoint.empty()) save_checkpoint(run, options.checkpoint);
+    if (can_go_on && keep) keep();
     result.grid = run.march.grid();
     result.body = run.march.openness();
     result.history = run.history;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,9 @@ struct FlowOptions {
   ProgressCallback progress = {};
   /// State of the solver every minute, and at max_time, from where a longer run goes on; empty: none.
   std::filesystem::path checkpoint = {};
-  bool resume = false;      ///< from the checkpoint, if it is there, to the same bits
+  bool resume = false;  ///< from the checkpoint, if it is there, to the same bits
+  /// Told in one sentence, once, if the checkpoint cannot be written.
+  std::function<void(const std::string&)> warning = {};
   double max_memory = 2e9;  ///< bytes
 };
 
@@ -102,7 +105,8 @@ void check_path(const FlowCase& flow, const FlowOptions& options);
 
 /// @throws ArgumentError as check_case() does, for fewer than 0 threads, a checkpoint that stands at max_time
 /// already, a body that moves and another end than FlowEnd::time, or a path that is not finite, leaps or comes to a
-/// border before max_time; InputError for a checkpoint of another case or version
+/// border before max_time; InputError for a checkpoint of another case or version, and, before
+/// the march, for another file in its place
 FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options = {});
 
 }  // namespace samara::flow

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -67,7 +68,9 @@ TriangleMesh describe(const BodyDescription& description, BodyInFluid& result) {
     case BodyShape::mesh:
       break;
   }
-  if (!std::filesystem::exists(description.shape) && description.shape.find('.') == std::string::npos)
+  std::error_code ignored;
+  if (!std::filesystem::exists(description.shape, ignored) &&
+      description.shape.find('.') == std::string::npos)
     throw ArgumentError(
         fmt::format("\"{}\" is no shape (ellipsoid, disc, plate) and no file", description.shape));
   if (!sizes.empty()) throw ArgumentError("a mesh has a size of its own, none is expected beside it");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <system_error>
 
@@ -10,6 +11,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/identification/series/series_codebook.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/motion/planning/book_tangents.h"
@@ -98,10 +100,15 @@ RealisedFall realise(const PlannedFall& fall, const CoefficientCourse& course) {
 class Planner {
  public:
   Planner(const MotionPlan& plan, const PlanningOptions& options)
-      : plan_(plan), fall_(plan), options_(options), progress_([this](const Progress& report) {
+      : plan_(plan),
+        fall_(plan),
+        options_(options),
+        progress_([this](const Progress& report) {
           if (options_.progress && !options_.progress(report)) cancelled_ = true;
           return !cancelled_;
-        }) {}
+        }),
+        save_(codebooks::told_once<>([this] { save_state(state_, plan_, options_.checkpoint); },
+                                     options.warning)) {}
 
   MotionResult run() {
     begin();
@@ -126,8 +133,8 @@ class Planner {
   using Clock = std::chrono::steady_clock;
 
   void begin() {
-    std::error_code ignored;
-    if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint, ignored)) {
+    codebooks::check_checkpoint_path(options_.checkpoint, kPlanningCheckpoint);
+    if (codebooks::is_checkpoint(options_.checkpoint)) {
       state_ = load_state(plan_, options_.checkpoint);
     } else {
       state_.beam = BeamState::from(fall_.release());
@@ -137,7 +144,7 @@ class Planner {
   void keep(bool is_last) {
     if (options_.checkpoint.empty()) return;
     if (!is_last && Clock::now() - kept_ < std::chrono::seconds(10)) return;
-    save_state(state_, plan_, options_.checkpoint);
+    save_();
     kept_ = Clock::now();
   }
 
@@ -177,6 +184,7 @@ class Planner {
   PlannedFall fall_;
   const PlanningOptions& options_;
   ProgressCallback progress_;  ///< the one given, remembering that it cancelled
+  std::function<void()> save_;
   bool cancelled_ = false;
   Clock::time_point kept_ = Clock::now();
   PlanningState state_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -84,10 +85,12 @@ struct PlanningOptions {
   /// Where the search is kept while it runs (every ten seconds, and when it is cancelled), and taken up again if it
   /// is of the same plan; it is removed when all is done. What comes out is the same to the bit. Empty: nowhere.
   std::filesystem::path checkpoint = {};
+  /// Told in one sentence, once, if the checkpoint cannot be written.
+  std::function<void(const std::string&)> warning = {};
 };
 
 /// @throws ArgumentError if the plan's values are outside their meaning, or its body does not sink, or for its
-/// codebook, as BookTangents; InputError for a checkpoint of another plan.
+/// codebook, as BookTangents; InputError for a checkpoint of another plan, and for another file in its place.
 MotionResult plan_motion(const MotionPlan& plan, const PlanningOptions& options = {});
 
 /// The motion of a plan's steps along a course to the ground, or to the end of the time; without frames if it is not

@@ -319,6 +319,10 @@ void save_state(const PlanningState& state, const MotionPlan& plan, const std::f
   file.commit();
 }
 
+bool is_planning_state(const std::filesystem::path& file) {
+  return io::is_hdf5_with(file, kPlanningFormat);
+}
+
 PlanningState load_state(const MotionPlan& plan, const std::filesystem::path& path) {
   const io::Hdf5Reader file(path);
   if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != kPlanningFormat ||

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/motion/planning/window_search.h"
 
 namespace samara::motion {
@@ -21,6 +22,11 @@ std::string identity_of(const MotionPlan& plan);
 /// HDF5, "samara-planning" 0.3.
 /// @throws ArgumentError if the file cannot be written
 void save_state(const PlanningState& state, const MotionPlan& plan, const std::filesystem::path& path);
+
+/// Whether a file says that it is such a state, also if it is damaged.
+bool is_planning_state(const std::filesystem::path& file);
+
+inline constexpr codebooks::CheckpointKind kPlanningCheckpoint = {"a search for a motion", is_planning_state};
 
 /// @throws InputError for a file that is none, damaged, of another plan, or of another version of this program.
 PlanningState load_state(const MotionPlan& plan, const std::filesystem::path& path);

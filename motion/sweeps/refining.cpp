@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/codebooks/book/sobol_points.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/motion/sweeps/pattern_map.h"
 #include "samara/motion/sweeps/sweep_file.h"
 
@@ -203,8 +204,10 @@ std::string end_of_rounds(const SweepPlan& plan, const std::vector<RefiningRound
 }
 
 RefiningResult rounds_of(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {
+  const auto save =
+      codebooks::told_once<>([&] { save_checkpoint(sweep, options.checkpoint); }, options.warning);
   const auto keep = [&] {
-    if (!options.checkpoint.empty()) save(sweep, options.checkpoint);
+    if (!options.checkpoint.empty()) save();
   };
   if (sweep.rounds.empty()) {
     sweep.rounds.push_back(held_out(plan, sweep));
@@ -236,6 +239,7 @@ bool refine(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {
 
 RefiningResult refine_by_plan(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {
   const auto begin = std::chrono::steady_clock::now();
+  codebooks::check_checkpoint_path(options.checkpoint, kSweepCheckpoint);
   RefiningResult result = rounds_of(plan, options, sweep);
   if (result.complete && !options.checkpoint.empty()) {
     std::error_code ignored;

@@ -26,7 +26,7 @@ struct RefiningResult {
 /// agreement. A sweep that has some of them goes on after the last, to the same points and labels. Each is kept in the
 /// checkpoint of the options, which is removed when all is done.
 /// @param sweep a finished one of the plan
-/// @throws ArgumentError for fewer points than a map needs.
+/// @throws ArgumentError for fewer points than a map needs; InputError for another file in place of the checkpoint.
 RefiningResult refine_by_plan(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep);
 
 }  // namespace samara::motion

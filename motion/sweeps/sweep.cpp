@@ -11,6 +11,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/models/batch/watch_batch.h"
 #include "samara/motion/sweeps/lyapunov_exponents.h"
 #include "samara/motion/sweeps/sweep_file.h"
@@ -182,8 +183,8 @@ bool append_lanes(const SweepPlan& plan, const models::ParametricModel& model, c
 
 /// What an earlier run of the same plan has left.
 Sweep take_up(const SweepPlan& plan, const std::filesystem::path& checkpoint) {
-  std::error_code ignored;
-  if (checkpoint.empty() || !std::filesystem::exists(checkpoint, ignored)) return empty_sweep(plan);
+  codebooks::check_checkpoint_path(checkpoint, kSweepCheckpoint);
+  if (!codebooks::is_checkpoint(checkpoint)) return empty_sweep(plan);
   Sweep kept = load_sweep(checkpoint);
   if (kept.plan_text != plan.text)
     throw InputError(checkpoint.string(),
@@ -305,6 +306,8 @@ SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options) {
   }
   result.sweep.points = points;
   result.sweep.round_of_point.assign(static_cast<std::size_t>(points.rows()), 0);
+  const auto keep =
+      codebooks::told_once<>([&] { save_checkpoint(result.sweep, options.checkpoint); }, options.warning);
   Clock::time_point kept = begin;
   const double total = static_cast<double>(lanes.rows());
   bool goes_on = true;
@@ -317,7 +320,7 @@ SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options) {
     const bool is_due = Clock::now() - kept > std::chrono::seconds(10);
     const bool is_last = first + count == lanes.rows();
     if (!options.checkpoint.empty() && !(goes_on && is_last) && (is_due || !goes_on)) {
-      if (result.sweep.fall_count() > 0) save(result.sweep, options.checkpoint);
+      if (result.sweep.fall_count() > 0) keep();
       kept = Clock::now();
     }
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,8 @@ struct SweepOptions {
   /// Where finished falls are kept while the sweep runs, and taken up again if there are any of the same plan; it is
   /// removed when all is done. Empty: nowhere.
   std::filesystem::path checkpoint = {};
+  /// Told in one sentence, once, if the checkpoint cannot be written.
+  std::function<void(const std::string&)> warning = {};
 };
 
 struct SweepResult {
@@ -90,7 +93,7 @@ struct SweepResult {
 /// Finished falls are the same to the bit whether or not the sweep was interrupted, and on any number of threads. A
 /// checkpoint that was refined (refining.h) comes back as it is, complete.
 /// @throws ArgumentError as the model and watch_batch do; InputError for a checkpoint of another plan, model or
-/// version.
+/// version, and for another file in its place, also if it is a sweep that is finished.
 SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options = {});
 
 /// Falls of a plan at other points than its own, without a checkpoint: appended to `sweep`, which is one of that plan.

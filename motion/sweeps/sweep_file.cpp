@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/source/checkpoint.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/io/hdf5_writer.h"
 
@@ -16,6 +17,7 @@ namespace {
 
 constexpr const char* kFormat = "samara-sweep";
 constexpr const char* kVersion = "0.1";
+constexpr const char* kCheckpointMark = "samara-sweep-checkpoint";
 
 std::string thresholds_text(const PatternThresholds& thresholds) {
   nlohmann::ordered_json object;
@@ -192,12 +194,12 @@ void check_format(const io::Hdf5Reader& file) {
                      fmt::format("is a sweep of format {}, expected 0.x: a newer program wrote it", version));
 }
 
-}  // namespace
-
-void save(const Sweep& sweep, const std::filesystem::path& path) {
+/// @param is_checkpoint otherwise a result
+void write(const Sweep& sweep, const std::filesystem::path& path, bool is_checkpoint) {
   io::Hdf5Writer file(path);
   file.write_text_attribute("/", "format", kFormat);
   file.write_text_attribute("/", "format_version", kVersion);
+  if (is_checkpoint) file.write_text_attribute("/", "checkpoint", kCheckpointMark);
   file.write_text_attribute("/", "generator", sweep.generator);
   file.write_text_attribute("/", "model", sweep.model);
   file.write_text_attribute("/", "thresholds", thresholds_text(sweep.thresholds));
@@ -221,6 +223,22 @@ void save(const Sweep& sweep, const std::filesystem::path& path) {
   write_trajectories(file, sweep);
   file.commit();
 }
+
+}  // namespace
+
+void save(const Sweep& sweep, const std::filesystem::path& path) {
+  write(sweep, path, false);
+}
+
+void save_checkpoint(const Sweep& sweep, const std::filesystem::path& path) {
+  write(sweep, path, true);
+}
+
+bool is_sweep_checkpoint(const std::filesystem::path& file) {
+  return io::is_hdf5_with(file, kCheckpointMark);
+}
+
+const codebooks::CheckpointKind kSweepCheckpoint = {"a sweep", is_sweep_checkpoint};
 
 Sweep load_sweep(const std::filesystem::path& path) {
   const io::Hdf5Reader file(path);

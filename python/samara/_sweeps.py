@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any, Optional, Union
 
@@ -173,8 +174,9 @@ def sweep(
 
     :param plan: a file, or a dictionary with the same keys (docs/reference/sweep.md); its arrays are lists of values
     :param progress: as of ``samara.build``; where it ends the work, the sweep holds what was done, and is not ``complete``
-    :param checkpoint: a file for finished falls, from which the same call goes on
-    :raises InputError: for a plan that cannot be one, and a checkpoint of another plan
+    :param checkpoint: a file for finished falls, from which the same call goes on, and which is removed in the end
+    :raises InputError: for a plan that cannot be one, and a checkpoint of another plan, or a file that is none, such as a
+        finished sweep
     """
     if isinstance(plan, Mapping):
         path, text = None, _toml.dumps(plan)
@@ -183,4 +185,9 @@ def sweep(
     else:
         raise ArgumentError(f"the plan is of the type {type(plan).__name__}, expected a file, or a dictionary with the same keys")
     with Reported(progress) as report:
-        return Sweep(*_core.run_sweep(path, text, report, os.fspath(checkpoint or ""), whole(threads, "threads") or 0))
+        core, complete, message, told = _core.run_sweep(
+            path, text, report, os.fspath(checkpoint or ""), whole(threads, "threads") or 0
+        )
+    for sentence in told:
+        warnings.warn(sentence, stacklevel=2)
+    return Sweep(core, complete, message)

@@ -135,12 +135,16 @@ py::dict regime(const py::object& which, const std::map<std::string, double>& va
 }
 
 /// @param path of the plan, or its text
-/// @returns the sweep, whether it is complete, and how it ended
+/// @returns the sweep, whether it is complete, how it ended, and warnings
 py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std::string& text,
                     const py::object& progress, const std::filesystem::path& checkpoint, int threads) {
   Failure failure;
+  std::vector<std::string> warnings;
   const motion::SweepOptions options = {
-      .threads = threads, .progress = progress_to(progress, failure), .checkpoint = checkpoint};
+      .threads = threads,
+      .progress = progress_to(progress, failure),
+      .checkpoint = checkpoint,
+      .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
   motion::SweepResult result = unlocked(failure, [&] {
     const motion::SweepPlan plan =
         path ? motion::read_sweep_plan(*path) : motion::parse_sweep_plan(text, "the plan");
@@ -151,7 +155,8 @@ py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std:
     swept.message += ", refined: " + refined.message;
     return swept;
   });
-  return py::make_tuple(std::make_shared<Sweep>(std::move(result.sweep)), result.complete, result.message);
+  return py::make_tuple(std::make_shared<Sweep>(std::move(result.sweep)), result.complete, result.message,
+                        warnings);
 }
 
 py::dict describe_sweep(const Sweep& sweep) {

@@ -129,7 +129,8 @@ class Bodies(Case):
         self.check_error(run("body", mesh, "--unit", "kg", *given), 2, "kg")
         self.check_error(run("body", mesh, "--unit", "mm", "--size", "1", *given), 2, "a mesh has a size of its own")
         self.check_error(run("body", mesh, "--unit", "mm", "--added-mass", "guess", *given), 2, "guess")
-        self.check_error(run("body", "sphere", "--size", "1", *given), 2, "no shape (ellipsoid, disc, plate) and no file")
+        for shape in ("sphere", "n" * 300):
+            self.check_error(run("body", shape, "--size", "1", *given), 2, f'"{shape}" is no shape (ellipsoid, disc, plate) and no file')
         self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--toml", "--viscosity", "1e-3", *given), 2, "--viscosity")
         for wrong in ("-1 mPa s", "0"):
             self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--viscosity", wrong, *given), 2, f"--viscosity is {wrong}, expected more than 0")

@@ -82,6 +82,18 @@ class Builds(Case):
         self.assertEqual(run("build", FOLDER / "slabs.toml", "-o", path, "--fresh").returncode, 0)
         self.assertFalse(pathlib.Path(f"{path}.checkpoint").exists())
 
+    def test_fresh_removes_a_damaged_checkpoint_and_no_other_file(self):
+        path = FOLDER / "anew.h5"
+        plan, kept = write("line.toml", LINE_PLAN), pathlib.Path(f"{path}.checkpoint")
+        kept.write_text("t,z\n0,1\n")
+        for words in ([], ["--fresh"]):
+            self.check_error(run("build", plan, "-o", path, *words), 3, f"{kept}: this is no checkpoint of a build or a cloud, and would be lost")
+            self.assertEqual(kept.read_text(), "t,z\n0,1\n")
+        kept.write_text("samara journal 1\nand what is left of it")
+        self.check_error(run("build", plan, "-o", path), 3, "--fresh begins anew, and removes it")
+        self.assertEqual(run("build", plan, "-o", path, "--fresh").returncode, 0)
+        self.assertFalse(kept.exists())
+
     def test_a_checkpoint_of_another_plan_is_not_eaten(self):
         path = FOLDER / "two_plans.h5"
         process = subprocess.Popen([SAMARA, "build", write("slabs.toml", PLATE_PLAN), "-o", path], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -265,6 +265,36 @@ relative = 0.05
             self.check_error(run("flow", write("box.toml", PLAN + box), "-o", FOLDER / "kept.h5", "--resume"), 2,
                              "--resume: there is no", "kept.h5.checkpoint to go on from")
 
+    def test_a_file_that_is_no_checkpoint_is_refused_before_the_first_flow_and_left_alone(self):
+        short = PLAN.replace("max_time = 80", "max_time = 0.5")
+        box = '[box]\nlog10_reynolds = [1.45, 1.65]\n'
+        alone, books, path = write("alone.toml", short), write("boxed.toml", PLAN + box), FOLDER / "door.h5"
+        kept, finer = FOLDER / "door.h5.checkpoint", FOLDER / "door.h5.checkpoint.finer"
+        for plan, file, of in [(alone, kept, ("a flow", "a flow or a book of flows")), (books, kept, ("a build or a cloud", "a flow or a book of flows")),
+                               (books, finer, ("a build or a cloud",) * 2)]:
+            file.write_text("t,z\n0,1\n")
+            for kind, words in zip(of, ([], ["--fresh"])):
+                self.check_error(run("flow", plan, "-o", path, *words), 3, f"{file}: this is no checkpoint of {kind}, and would be lost")
+                self.assertEqual(file.read_text(), "t,z\n0,1\n")
+            file.unlink()
+        # A flow does not go on from the flows of a book, nor a book from a flow; --fresh removes either, also damaged.
+        kept.write_text("samara journal 1\n")
+        self.check_error(run("flow", alone, "-o", path), 3, "this is no checkpoint of a flow")
+        self.assertEqual(run("flow", alone, "-o", path, "--fresh").returncode, 4)
+        path.unlink()
+        self.check_error(run("flow", books, "-o", path), 3, "this is no checkpoint of a build")
+        kept.write_bytes(kept.read_bytes()[:kept.stat().st_size // 2])
+        self.check_error(run("flow", alone, "-o", path), 3, "door.h5.checkpoint")
+        self.assertEqual(run("flow", alone, "-o", path, "--fresh").returncode, 4)
+
+    def test_a_name_with_room_for_no_checkpoint_is_a_warning(self):
+        path = FOLDER / ("n" * 247 + ".h5")
+        result = run("flow", write("named.toml", PLAN.replace("max_time = 80", "max_time = 0.5")), "-o", path)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("samara: warning: no checkpoint: cannot write", result.stderr)
+        self.assertNotIn("is kept", result.stderr)
+        self.assertTrue(run("info", path).stdout)
+
     def test_a_book_of_fields_is_asked_drawn_and_exported_at_an_angle(self):
         small = PLAN.replace("before = 3, behind = 6, side = 3", "before = 1.5, behind = 2, side = 1.5").replace(
             "cells_per_length = 6", "cells_per_length = 4").replace("thickness = 1 }", "thickness = 0.5 }")

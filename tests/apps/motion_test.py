@@ -337,6 +337,24 @@ step = "1 ms"
         with h5py.File(part) as file:
             self.assertEqual(len(file["labels"]), 90)
 
+    def test_a_file_that_is_no_checkpoint_is_left_alone_by_a_sweep(self):
+        plan, path, part = write("door.toml", PLATES), FOLDER / "door.h5", FOLDER / "door.h5.part"
+        finished = swept().read_bytes()
+        for other in (b"t,z\n0,1\n", finished):
+            part.write_bytes(other)
+            for words in ([], ["--fresh"]):
+                self.check_error(run("sweep", plan, "-o", path, *words), 3, f"{part}: this is no checkpoint of a sweep, and would be lost")
+                self.assertEqual(part.read_bytes(), other)
+        part.write_bytes(b"")
+        self.assertEqual(run("sweep", plan, "-o", path, "--fresh").returncode, 0)
+        self.assertFalse(part.exists())
+
+    def test_a_sweep_whose_name_has_room_for_no_checkpoint_is_refined_without(self):
+        path = FOLDER / ("n" * 248 + ".h5")
+        result = run("sweep", write("named.toml", PLATES.replace("until = 120", "until = 20") + "[refine]\nrounds = 2\n"), "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr.count("no checkpoint: cannot write"), 1, result.stderr)
+
     def test_sweeps_and_patterns_that_cannot_be_meant_are_refused(self):
         self.check_error(run("sweep", write("bad.toml", PLATES.replace("C_R", "C_Q")), "-o", FOLDER / "bad.h5"), 3,
                          "bad.toml:6", "C_Q", "did you mean")

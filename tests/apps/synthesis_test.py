@@ -199,6 +199,16 @@ class Syntheses(Case):
         self.assertFalse(target.exists())
         self.check_error(run("synthesize", plan("long.toml", SKETCH, long + "seed = 2\n"), "-o", target), 3, "belongs to another plan")
 
+    def test_a_file_that_is_no_checkpoint_is_left_alone_by_a_search(self):
+        motion, target, part = plan("door.toml", SKETCH), FOLDER / "door.csv", FOLDER / "door.csv.part"
+        part.write_text("t,z\n0,1\n")
+        for words in ([], ["--fresh"]):
+            self.check_error(run("synthesize", motion, "-o", target, *words), 3, f"{part}: this is no checkpoint of a search for a motion, and would be lost")
+            self.assertEqual(part.read_text(), "t,z\n0,1\n")
+        part.write_text("")
+        self.assertIn(run("synthesize", motion, "-o", target, "--fresh").returncode, (0, 4))
+        self.assertFalse(part.exists())
+
 
 class PageOfAMotion(Case):
     @classmethod

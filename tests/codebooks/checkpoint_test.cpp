@@ -176,6 +176,27 @@ TEST_CASE("a file that is no checkpoint is neither replaced nor removed by a bui
   }
 }
 
+TEST_CASE("to begin anew removes damaged checkpoints and empty files, and no other") {
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "book.checkpoint";
+  CHECK_NOTHROW(remove_checkpoint(file));
+  Checkpoint(file, "plan").save_march({1.0});
+  fs::resize_file(file, 40);
+  remove_checkpoint(file);
+  put_content(file, "");
+  remove_checkpoint(file);
+  CHECK_FALSE(fs::exists(file));
+  put_content(file, "t,z\n0,1\n");
+  CHECK_THAT(error_text<InputError>([&] { remove_checkpoint(file); }),
+             Contains("this is no checkpoint of a build"));
+  CHECK_THAT(
+      error_text<InputError>([&] {
+        remove_checkpoint(file, {"a dance", [](const fs::path&) { return false; }});
+      }),
+      Contains("this is no checkpoint of a dance, and would be lost: move it, or choose another name"));
+  CHECK(content(file) == "t,z\n0,1\n");
+}
+
 TEST_CASE("a build that is cancelled leaves its checkpoint, and can be resumed") {
   for (const std::string stage : {"slab 3", "certificate"}) {
     const TemporaryDirectory directory;
@@ -254,7 +275,8 @@ TEST_CASE("a checkpoint that is cut anywhere is gone on from, or refused where i
   }
   for (const std::string& other : {part(1e-3), coin_plan()}) {
     put_content(checkpoint, other);
-    CHECK_THAT(refusal(), Contains("checkpoint: this is no checkpoint, and would be lost"));
+    CHECK_THAT(refusal(),
+               Contains("checkpoint: this is no checkpoint of a build or a cloud, and would be lost"));
   }
   save(four_pieces(), checkpoint);
   CHECK_THAT(refusal(), Contains("this is no checkpoint"));

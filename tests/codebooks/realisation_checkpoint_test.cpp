@@ -84,7 +84,7 @@ TEST_CASE(
   CHECK(is_replaced(checkpoint, 1.0));
   put_content(checkpoint.file, "t,x,y,z\n0,1,2,3\n");
   CHECK_THAT(error_text<samara::InputError>([&] { flown(options, checkpoint, told); }),
-             Contains("cloud.checkpoint: this is no checkpoint"));
+             Contains("cloud.checkpoint: this is no checkpoint of a build or a cloud"));
   CHECK(content(checkpoint.file) == "t,x,y,z\n0,1,2,3\n");
 }
 

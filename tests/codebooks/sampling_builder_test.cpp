@@ -289,7 +289,7 @@ TEST_CASE("a checkpoint that is none, or holds calls of another box, is refused"
   const BuildOptions options{.certificate_points = 20, .checkpoint = directory / "c", .resume = true};
   put_content(options.checkpoint, "state");
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
-             Contains("this is no checkpoint"));
+             Contains("this is no checkpoint of a build or a cloud"));
   std::filesystem::remove(options.checkpoint);
   Checkpoint(options.checkpoint, "another plan").save_calls({{{}, {1.0, 2.0}, {3.0}}});
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),

@@ -217,6 +217,24 @@ TEST_CASE("a book does not go on from the flows of another solver, and says so")
   CHECK_THROWS_AS(build_field_book(plan, options), NoResultError);
 }
 
+TEST_CASE("a book refuses another file in place of its checkpoints before the first flow") {
+  const FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  const TemporaryDirectory directory;
+  codebooks::BuildOptions options;
+  options.checkpoint = directory / "book";
+  int reports = 0;
+  options.progress = [&](const Progress&) { return ++reports > 0; };
+  for (const std::string name : {"book", "book.finer"}) {
+    const std::filesystem::path capture = directory.put(name, "t,z\n0,1\n");
+    const auto refused = Contains(name + ": this is no checkpoint of a build or a cloud, and would be lost");
+    CHECK_THROWS_WITH(build_energy_book(plan, options), refused);
+    CHECK_THROWS_WITH(build_field_book(plan, options), refused);
+    CHECK(content(capture) == "t,z\n0,1\n");
+    std::filesystem::remove(capture);
+  }
+  CHECK(reports == 0);
+}
+
 TEST_CASE("the build of a book that was cancelled once is not asked again, and may go on later") {
   codebooks::BuildOptions options;
   int asked = 0;

@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "../error_text.h"
 #include "../io/temporary_directory.h"
 #include "flow_cases.h"
 #include "samara/flow/march/flow_checkpoint.h"
@@ -138,6 +139,46 @@ TEST_CASE("a run goes on from max_time, if it is given more", "[flow]") {
   const FlowResult rest = solve_flow(small_square(), options);
   CHECK(rest.steps == whole.steps);
   CHECK(rest.velocity == whole.velocity);
+}
+
+TEST_CASE(
+    "a flow refuses another file in place of its checkpoint before the march, and replaces a damaged one",
+    "[flow]") {
+  const TemporaryDirectory directory;
+  FlowOptions options;
+  options.max_time = 0.05;
+  options.checkpoint = directory.put("capture.csv", "t,z\n0,1\n");
+  int steps = 0;
+  options.progress = [&](const samara::Progress&) { return ++steps > 0; };
+  for (const bool resume : {false, true}) {
+    options.resume = resume;
+    CHECK_THAT(error_text<samara::InputError>([&] { solve_flow(small_square(), options); }),
+               Catch::Contains("capture.csv: this is no checkpoint of a flow, and would be lost"));
+  }
+  CHECK(steps == 0);
+  CHECK(content(options.checkpoint) == "t,z\n0,1\n");
+  options.checkpoint = directory / "run.h5";
+  options.resume = false;
+  REQUIRE(solve_flow(small_square(), options).status == FlowStatus::max_time);
+  std::filesystem::resize_file(options.checkpoint, std::filesystem::file_size(options.checkpoint) / 2);
+  CHECK(is_flow_checkpoint(options.checkpoint));
+  CHECK(solve_flow(small_square(), options).status == FlowStatus::max_time);
+}
+
+TEST_CASE("a checkpoint that cannot be written is told once, and ends no flow", "[flow]") {
+  const TemporaryDirectory directory;
+  FlowOptions options;
+  options.max_time = 0.05;
+  const FlowResult whole = solve_flow(small_square(), options);
+  options.checkpoint = directory / std::string(300, 'n');
+  options.resume = true;
+  std::vector<std::string> told;
+  options.warning = [&](const std::string& sentence) { told.push_back(sentence); };
+  const FlowResult result = solve_flow(small_square(), options);
+  CHECK(result.status == FlowStatus::max_time);
+  CHECK(result.velocity == whole.velocity);
+  REQUIRE(told.size() == 1);
+  CHECK_THAT(told.front(), Catch::StartsWith("no checkpoint: cannot write"));
 }
 
 TEST_CASE("a mean that was not reached has no known error", "[flow]") {

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <limits>
 #include <random>
+#include <string>
 #include <thread>
 
 #include <catch2/catch.hpp>
@@ -46,6 +48,30 @@ std::string argument_error(const Call& call) {
 }
 
 }  // namespace
+
+TEST_CASE("a file is known by the bytes of its mark, also where it is cut") {
+  const TemporaryDirectory directory;
+  Hdf5Writer writer(directory / "f.h5");
+  writer.write_text_attribute("/", "format", "samara-marked");
+  writer.write_matrix("/m", random_matrix(100, 100));
+  writer.commit();
+  CHECK(samara::io::is_hdf5_with(directory / "f.h5", "samara-marked"));
+  CHECK_FALSE(samara::io::is_hdf5_with(directory / "f.h5", "samara-other"));
+  std::filesystem::resize_file(directory / "f.h5", 3000);
+  CHECK(samara::io::is_hdf5_with(directory / "f.h5", "samara-marked"));
+  // Wherever it stands; a text is no HDF5 file, whatever it says.
+  const std::string begin = content(directory / "f.h5").substr(0, 8);
+  const std::size_t part = std::size_t{1} << 20;
+  for (const std::size_t place : {part - 15, part - 8, part - 1, part, 2 * part - 5}) {
+    const std::string padding(place, '.');
+    CHECK(samara::io::is_hdf5_with(directory.put("far.h5", begin + padding + "samara-marked"),
+                                   "samara-marked"));
+    CHECK_FALSE(
+        samara::io::is_hdf5_with(directory.put("far.h5", padding + "samara-marked"), "samara-marked"));
+  }
+  CHECK_FALSE(samara::io::is_hdf5_with(directory.put("empty", ""), "samara-marked"));
+  CHECK_FALSE(samara::io::is_hdf5_with(directory / "missing", "samara-marked"));
+}
 
 TEST_CASE("numbers written to HDF5 read back with the same bits, whatever the size") {
   const TemporaryDirectory directory;

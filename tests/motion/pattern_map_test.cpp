@@ -140,7 +140,12 @@ TEST_CASE("a refined sweep knows the round of each of its points, and goes on af
                          "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
     const Sweep begun = run_sweep(plan, {.checkpoint = part}).sweep;
     Sweep whole = begun, halted = begun;
-    REQUIRE(refine_by_plan(plan, {}, whole).complete);
+    // Without a checkpoint that could be written, too, which is told once.
+    int told = 0;
+    const SweepOptions unkept = {.checkpoint = directory / std::string(300, 'n'),
+                                 .warning = [&](const std::string&) { ++told; }};
+    REQUIRE(refine_by_plan(plan, unkept, whole).complete);
+    CHECK(told == 1);
     // In the second round it is stopped: what the first has found is kept.
     const auto stop = [&](const samara::Progress&) { return halted.rounds.size() < 2; };
     CHECK_FALSE(refine_by_plan(plan, {.progress = stop, .checkpoint = part}, halted).complete);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -165,6 +167,25 @@ TEST_CASE("a search that is interrupted again and again comes to the same motion
   }
 }
 
+TEST_CASE("a search takes no other file for its checkpoint, and does not end where none can be written") {
+  MotionPlan plan = sequence_plan();
+  plan.sketch = slanted_sketch(40.0);
+  const TemporaryDirectory directory;
+  const auto capture = directory.put("capture.csv", "t,z\n0,1\n");
+  CHECK_THROWS_WITH(
+      plan_motion(plan, {.checkpoint = capture}),
+      Catch::Contains("capture.csv: this is no checkpoint of a search for a motion, and would be lost"));
+  CHECK(content(capture) == "t,z\n0,1\n");
+  std::vector<std::string> told;
+  const MotionResult cut =
+      plan_motion(plan, {.progress = [](const samara::Progress&) { return false; },
+                         .checkpoint = directory / std::string(300, 'n'),
+                         .warning = [&](const std::string& sentence) { told.push_back(sentence); }});
+  CHECK(cut.status == MotionStatus::cancelled);
+  REQUIRE(told.size() == 1);
+  CHECK_THAT(told.front(), Catch::StartsWith("no checkpoint: cannot write"));
+}
+
 TEST_CASE("the identity of a plan changes with the times of its sketch and the kinds of its database") {
   MotionPlan plan = sequence_plan();
   const Eigen::MatrixX3d points = Eigen::MatrixX3d::Zero(3, 3);
@@ -207,6 +228,7 @@ TEST_CASE("a checkpoint whose numbers lead out of its lists is damaged") {
     return load_state(plan, part);
   };
   CHECK(loaded([](PlanningState&) {}).beam.rounds.size() == 2);
+  CHECK(is_planning_state(part));
   const std::vector<std::function<void(PlanningState&)>> changes = {
       [](PlanningState& state) { state.beam.rounds[1][0].parent = 1; },
       [](PlanningState& state) { state.beam.rounds[1][0].parent = -1; },

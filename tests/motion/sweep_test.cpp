@@ -10,6 +10,7 @@
 #include "plates_sweep.h"
 #include "samara/motion/sweeps/landing.h"
 #include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/refining.h"
 #include "samara/motion/sweeps/sweep_file.h"
 #include "tests/io/temporary_directory.h"
 
@@ -79,7 +80,7 @@ TEST_CASE(
     const auto other = folder.path() / "other.part";
     Sweep kept = load_sweep(checkpoint);
     change(kept);
-    save(kept, other);
+    save_checkpoint(kept, other);
     return error_text<samara::InputError>([&] { run_sweep(plan, {.checkpoint = other}); });
   };
   CHECK(refused([](Sweep& kept) {
@@ -87,11 +88,45 @@ TEST_CASE(
         }).find("is of samara 0.0.1, expected one of samara ") != std::string::npos);
   CHECK(refused([](Sweep& kept) { kept.model_text += "C_Q [1] 0"; }).find("of another model") !=
         std::string::npos);
+  // One that cannot be written is told, and does not end the sweep.
+  std::vector<std::string> told;
+  const SweepResult unkept =
+      run_sweep(plan, {.progress = [](const samara::Progress& p) { return p.fraction < 0.5; },
+                       .checkpoint = folder.path() / std::string(300, 'n'),
+                       .warning = [&](const std::string& sentence) { told.push_back(sentence); }});
+  CHECK(unkept.falls_done == cut.falls_done);
+  REQUIRE(told.size() == 1);
+  CHECK(told.front().find("no checkpoint: cannot write") == 0);
   const SweepResult resumed = run_sweep(plan, {.threads = 2, .checkpoint = checkpoint});
   CHECK(resumed.complete);
   CHECK(resumed.taken_up == cut.falls_done);
   CHECK_FALSE(std::filesystem::exists(checkpoint));
   check_same_falls(whole, resumed.sweep);
+}
+
+TEST_CASE("a finished sweep, as any other file, is no checkpoint: it is refused, and stays as it is") {
+  const TemporaryDirectory folder;
+  const SweepPlan plan = plates();
+  const auto result = folder / "leaf.h5", part = folder / "leaf.part";
+  Sweep sweep = run_sweep(plan).sweep;
+  save(sweep, result);
+  CHECK_FALSE(is_sweep_checkpoint(result));
+  for (const auto& path : {result, folder.put("capture.csv", "t,z\n0,1\n")}) {
+    const std::string before = content(path);
+    const std::string sentence = path.string() + ": this is no checkpoint of a sweep, and would be lost";
+    CHECK(error_text<samara::InputError>([&] { run_sweep(plan, {.checkpoint = path}); }).find(sentence) == 0);
+    CHECK(error_text<samara::InputError>([&] {
+            refine_by_plan(plan, {.checkpoint = path}, sweep);
+          }).find(sentence) == 0);
+    CHECK(content(path) == before);
+  }
+  save_checkpoint(sweep, part);
+  check_same_falls(load_sweep(part), sweep);
+  std::filesystem::copy_file(part, folder / "cut.part");
+  std::filesystem::resize_file(folder / "cut.part", std::filesystem::file_size(part) / 2);
+  CHECK(is_sweep_checkpoint(folder / "cut.part"));
+  CHECK(run_sweep(plan, {.checkpoint = part}).taken_up == 36);
+  CHECK_FALSE(std::filesystem::exists(part));
 }
 
 TEST_CASE("a sweep comes back from its file, trajectories as well, and damaged files are refused") {

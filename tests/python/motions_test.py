@@ -101,6 +101,23 @@ def test_a_sweep_that_is_ended_keeps_what_was_done(tmp_path):
     np.testing.assert_array_equal(again.points[again.round_of_point == 0], whole.points)
 
 
+def test_a_finished_sweep_is_no_checkpoint_and_stays(tmp_path):
+    plan = {**PLATES, "run": {"until": 20, "step": 0.05}, "refine": {"rounds": 1}}
+    leaf, table = tmp_path / "leaf.h5", tmp_path / "capture.csv"
+    whole = samara.sweep(plan, progress=False)
+    whole.save(leaf)
+    table.write_text("t,z\n")
+    for path in (leaf, table):
+        before = path.read_bytes()
+        with pytest.raises(samara.InputError, match="this is no checkpoint of a sweep, and would be lost"):
+            samara.sweep(plan, progress=False, checkpoint=path)
+        assert path.read_bytes() == before
+    # One that cannot be written is a warning.
+    with pytest.warns(UserWarning, match="no checkpoint: cannot write"):
+        unkept = samara.sweep(plan, progress=False, checkpoint=tmp_path / ("n" * 300))
+    np.testing.assert_array_equal(unkept.points, whole.points)
+
+
 def test_records_of_captures_are_labelled_as_the_command_labels_them(tmp_path):
     t = np.arange(0, 10, 0.02)
     columns = {"t[s]": t, **{f"{c}[m]": v for c, v in zip("xyz", helix(t).T)}}
@@ -300,7 +317,7 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
     np.testing.assert_array_equal(resumed.mean, samara.realise("immersed_body_in_gusts", LEAF, times, air, more, 7).mean)
     assert not kept.exists()
     kept.write_text("t,z\n")
-    with pytest.raises(samara.InputError, match="this is no checkpoint"):
+    with pytest.raises(samara.InputError, match="this is no checkpoint of a build or a cloud"):
         samara.realise("immersed_body_in_gusts", LEAF, times, air, 64, 7, checkpoint=kept)
     assert kept.read_text() == "t,z\n"
     # What is wrong with the call is said before a checkpoint that could be none.
