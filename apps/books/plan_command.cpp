@@ -11,6 +11,7 @@
 #include "inputs/bodies.h"
 #include "options/commands.h"
 #include "options/option_parts.h"
+#include "samara/base/text.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/codebooks/plan/plan.h"
@@ -39,7 +40,7 @@ std::vector<std::string> settable_names(const models::ModelInfo& info) {
 
 /// A file of TOML with a box is a plan, another one a model.
 bool is_plan(const std::string& source) {
-  return source.ends_with(".toml") && io::read_text_file(source).find("[box]") != std::string::npos;
+  return ending_of(source) == ".toml" && io::read_text_file(source).find("[box]") != std::string::npos;
 }
 
 std::vector<std::string> names_of(const std::string& source) {

@@ -15,6 +15,7 @@
 #include "motion/sweep_patterns.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/io/atomic_file.h"
 #include "samara/motion/pages/pattern_page.h"
@@ -187,7 +188,7 @@ int run_patterns(const PatternsArguments& arguments) {
     throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", *arguments.clusters));
   // What is called a sweep is read as one, so that a damaged one is refused for what it is.
   const auto is_sweep = [](const std::filesystem::path& path) {
-    return path.extension() == ".h5" || motion::is_sweep(path);
+    return ending_of(path) == ".h5" || motion::is_sweep(path);
   };
   const auto sweep = std::ranges::find_if(arguments.inputs, is_sweep);
   if (sweep != arguments.inputs.end() && arguments.inputs.size() > 1)

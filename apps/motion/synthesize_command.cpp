@@ -12,6 +12,7 @@
 #include "pictures/animation.h"
 #include "pictures/shown_bodies.h"
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/identification/series/series_codebook.h"
@@ -46,7 +47,7 @@ struct SynthesizeArguments {
 };
 
 void check_outputs(const SynthesizeArguments& arguments, const std::vector<std::string>& inputs) {
-  const bool is_csv = std::filesystem::path(arguments.output).extension() == ".csv";
+  const bool is_csv = ending_of(arguments.output) == ".csv";
   if (!is_csv && !io::is_scene_name(arguments.output)) {
     throw ArgumentError(
         fmt::format("-o is \"{}\", expected a name that ends in .glb, .usda or .csv", arguments.output));

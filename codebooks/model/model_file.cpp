@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/io/text_file.h"
 #include "samara/models/fields/field_model.h"
 #include "samara/models/laws/registry.h"
@@ -206,7 +207,7 @@ void check_name(const TomlTable& table) {
 }
 
 bool is_model_file(const std::string& name_or_file) {
-  return name_or_file.ends_with(".toml");
+  return ending_of(name_or_file) == ".toml";
 }
 
 std::shared_ptr<const models::Model> open_model(const std::string& name_or_file,

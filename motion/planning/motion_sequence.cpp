@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/motion/database/database_file.h"
@@ -119,7 +120,7 @@ NamedChain source_chain_of_patterns() {
 }
 
 NamedChain read_chain(const std::filesystem::path& path) {
-  if (path.extension() != ".json") {
+  if (ending_of(path) != ".json") {
     const KindChain kinds = kind_chain(load_database(path));
     return {event_kind_names(), kinds.chain};
   }

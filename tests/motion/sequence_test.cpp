@@ -116,7 +116,7 @@ TEST_CASE("a fall that is asked to be likely is likelier under the chain than on
 }
 
 TEST_CASE("chains come from films, from counts and from databases; what is none is refused") {
-  const std::string film = path_of("film.json",
+  const std::string film = path_of("film.JSON",
                                    R"({"schema": "samara-patterns/1", "captures": [{"id": "a", "windows": [
           {"pattern": "zigzag", "windows": 40}, {"pattern": "unresolved"}, {"pattern": "chaotic", "windows": 40}]}]})");
   const MotionSequence drawn = read_text("chain = \"" + film + "\"\nlength = 30\nseed = 2\nevents = 3");
@@ -304,7 +304,7 @@ TEST_CASE("a steady stretch cuts what a motion is priced by, as it cuts the sequ
 
 TEST_CASE("a plan names all files that it reads, its model and its chain as well") {
   const TemporaryDirectory folder;
-  const auto model = folder.put("sinker.toml", R"(name = "sinker"
+  const auto model = folder.put("sinker.TOML", R"(name = "sinker"
 [states]
 x = { initial = 0 }
 y = { initial = 0 }
@@ -325,7 +325,7 @@ w = "-C_T*w"
   const auto chain = folder.put("sinker.json", R"({"schema": "samara-chain/1", "counts": [[0, 9], [9, 0]],
           "symbols": ["turn+", "swing-"]})");
   const MotionPlan plan = parse_motion_plan(
-      "model = \"sinker.toml\"\n[release]\nheight = 20\n[box]\n"
+      "model = \"sinker.TOML\"\n[release]\nheight = 20\n[box]\n"
       "C_T = [0.8, 1.4]\n[sequence]\nlength = 3\nchain = \"sinker.json\"\n",
       (folder / "motion.toml").string());
   CHECK(plan.files == std::vector<std::string>{model.string(), chain.string()});
