@@ -103,7 +103,9 @@ int run_follow(const FollowArguments& arguments) {
   for (const id::Warning& warning : report.warnings) warn(warning.sentence);
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::follow_csv(report));
   print(arguments.json ? id::follow_json(report) : wrapped_prose(printable(id::follow_text(report), "\n")));
-  return kDone;
+  if (id::has_followed(report)) return kDone;
+  warn("no start was found: no frame was followed");
+  return kToleranceMissed;
 }
 
 }  // namespace

@@ -39,6 +39,10 @@ Eigen::Index last_followed(const FollowedMotion& motion) {
 
 }  // namespace
 
+bool has_followed(const FollowReport& report) {
+  return last_followed(report.motion) >= 0;
+}
+
 std::string follow_text(const FollowReport& report) {
   const FollowedMotion& motion = report.motion;
   std::string text;
@@ -70,7 +74,6 @@ std::string follow_text(const FollowReport& report) {
                  report.noise.drift, report.noise_was_chosen ? "chosen on captures to train" : "as given");
   const Eigen::Index row = last_followed(motion);
   if (row < 0) {
-    text += "no start was found\n";
     return text;
   }
   fmt::format_to(out, "\nat {:.6g} s{:>14} {:>14} {:>14}\n", motion.state_times[row], "", "value", "error");

@@ -18,6 +18,9 @@ struct FollowReport {
   Warnings warnings = {};
 };
 
+/// Whether any frame was followed: without a start there is nothing but what the smoother made of it.
+bool has_followed(const FollowReport& report);
+
 /// How it went, the last state and what is forecast from there.
 std::string follow_text(const FollowReport& report);
 

@@ -57,6 +57,8 @@ std::vector<int> chosen_states(const ModelInfo& info, const std::vector<std::str
       throw ArgumentError(
           fmt::format("model \"{}\" has no state \"{}\"{}", info.name, name, suggestion(name, all)));
     indices.push_back(static_cast<int>(found - all.begin()));
+    if (std::ranges::count(names, name) > 1)
+      throw ArgumentError(fmt::format("states have \"{}\" twice, expected each state once", name));
   }
   return indices;
 }

@@ -72,7 +72,7 @@ double WindProfile::speed(double z) const {
       return o.speed;
     case ProfileKind::logarithmic: {
       const double above = z - o.displacement;
-      if (!(above > o.roughness)) return 0.0;
+      if (above <= o.roughness) return 0.0;
       return o.speed * std::log(above / o.roughness) / std::log((o.height - o.displacement) / o.roughness);
     }
     case ProfileKind::power:
@@ -80,7 +80,7 @@ double WindProfile::speed(double z) const {
   }
   const double relative = z / o.height;
   if (relative > kStraightShare) return o.speed * std::pow(relative, o.exponent);
-  return relative > 0.0 ? shear(z) * z : 0.0;
+  return relative <= 0.0 ? 0.0 : shear(z) * z;
 }
 
 double WindProfile::shear(double z) const {
@@ -97,7 +97,7 @@ double WindProfile::shear(double z) const {
   }
   const double relative = z / o.height;
   if (relative > kStraightShare) return o.exponent * o.speed / z * std::pow(relative, o.exponent);
-  return relative >= 0.0 ? o.speed / o.height * std::pow(kStraightShare, o.exponent - 1.0) : 0.0;
+  return relative < 0.0 ? 0.0 : o.speed / o.height * std::pow(kStraightShare, o.exponent - 1.0);
 }
 
 double WindProfile::friction_velocity() const {

@@ -122,12 +122,22 @@ std::vector<LabelledSegment> read_labelled_segments(const std::filesystem::path&
   return segments;
 }
 
-MotionRecord record_of(const LabelledSegment& segment, const std::vector<Capture>& captures, double length) {
+namespace {
+
+/// The whole capture of a segment. @throws ArgumentError if it has no such frames
+Capture checked_capture(const LabelledSegment& segment, const std::vector<Capture>& captures) {
   Capture capture = capture_of(segment, captures);
   if (segment.last >= capture.frame_count()) {
     refuse_segment(segment, fmt::format("a label of capture \"{}\" ends at frame {}, expected at most {}",
                                         capture.id, segment.last, capture.frame_count() - 1));
   }
+  return capture;
+}
+
+}  // namespace
+
+MotionRecord record_of(const LabelledSegment& segment, const std::vector<Capture>& captures, double length) {
+  Capture capture = checked_capture(segment, captures);
   const Eigen::Index count = segment.frame_count();
   capture.times = capture.times.segment(segment.first, count).eval();
   for (identification::Channel& channel : capture.channels)
@@ -138,6 +148,7 @@ MotionRecord record_of(const LabelledSegment& segment, const std::vector<Capture
 PatternLabel label_of(const LabelledSegment& segment, const std::vector<Capture>& captures, double length,
                       const PatternThresholds& thresholds) {
   if (segment.frame_count() < kFewestFrames) {
+    checked_capture(segment, captures);
     return {Pattern::unresolved, 0.0,
             fmt::format("{} frames, fewer than {}", segment.frame_count(), kFewestFrames)};
   }

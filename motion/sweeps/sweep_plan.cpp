@@ -144,8 +144,11 @@ void read_run(const TomlTable& root, SweepPlan& plan) {
   plan.settle = run.optional_quantity("settle", time).value_or(0.5 * plan.until);
   const double frames = std::floor((plan.until - plan.settle) / plan.interval * (1.0 + 1e-12));
   if (!(plan.settle >= 0.0) || frames < 2.0 * static_cast<double>(kFewestFrames)) {
-    throw run.error("settle", fmt::format("is {}, which leaves {} frames until {}, expected at least {}",
-                                          plan.settle, std::max(0.0, frames), plan.until, 2 * kFewestFrames));
+    const std::string key = run.has("settle") ? "settle" : run.has("interval") ? "interval" : "step";
+    const double value = run.has("settle") ? plan.settle : run.has("interval") ? plan.interval : plan.step;
+    throw run.error(key,
+                    fmt::format("is {}, which leaves {} frames from {} until {}, expected at least {}", value,
+                                std::max(0.0, frames), plan.settle, plan.until, 2 * kFewestFrames));
   }
   constexpr double kMostSteps = 1e9;
   if (plan.until / std::min(plan.step, plan.interval) > kMostSteps)

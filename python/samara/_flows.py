@@ -56,6 +56,8 @@ class Wind:
     def profile(self, heights: Quantity) -> _Array:
         """Mean speed [m/s] at heights [m], any shape."""
         array = to_si(heights, "m", "heights")
+        if not np.all(np.isfinite(array)):
+            raise ArgumentError("heights have a number that is not finite, expected finite ones")
         return _core.wind_profile(self.path, array.ravel()).reshape(array.shape)
 
     def velocity(

@@ -88,6 +88,11 @@ class Follows(Case):
         self.assertNotEqual(rows[4]["C_D[1]"], "")
         self.assertNotEqual(rows[40]["ahead 95 % x[m]"], "")
 
+    def test_a_track_without_a_start_is_said_to_be_none(self):
+        result = run("follow", "vertical_fall", self.fitted(), self.fall("c.csv", 0.15), "--start-frames", "100")
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("no start was found", result.stderr)
+
     def test_what_cannot_be_followed_is_refused_in_a_sentence(self):
         track, fit = self.fall("c.csv", 0.15), self.fitted()
         self.check_error(run("follow", "falling_plate", fit, track), 3, 'a fit of the model "vertical_fall"')

@@ -102,6 +102,7 @@ TEST_CASE("options of realisations that are wrong are named before a checkpoint 
     CHECK_THAT(refusal({.first = -1}), Contains("first is -1; 0 or more was expected"));
     CHECK_THAT(refusal({.step = 0.0}), Contains("step is 0"));
     CHECK_THAT(refusal({.states = {"speed"}}), Contains("has no state \"speed\""));
+    CHECK_THAT(refusal({.states = {"z", "x", "z"}}), Contains("states have \"z\" twice"));
     CHECK_THAT(refusal({.ground = 3.0}), Contains("expected below the start"));
     CHECK_THAT(refusal({.max_steps = 10}), Contains("are more than 10"));
   };

@@ -158,6 +158,11 @@ TEST_CASE(
   CHECK(layer->turbulence(0.0, {0.0, 0.0, -0.01}).inside);
 }
 
+TEST_CASE("the speed of a wind is no number where the height is none") {
+  for (const ProfileKind kind : {ProfileKind::logarithmic, ProfileKind::power})
+    CHECK(std::isnan(WindProfile({.kind = kind, .speed = 5.0, .height = 10.0, .roughness = 0.3}).speed(NAN)));
+}
+
 TEST_CASE("a wind profile that cannot be is refused with what is wrong") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(

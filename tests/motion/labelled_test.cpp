@@ -107,7 +107,11 @@ TEST_CASE("labels that do not fit the captures are refused in one sentence") {
   const auto unfit = [&](const LabelledSegment& segment) {
     return error_text<samara::ArgumentError>([&] { compare({segment}, captures); });
   };
-  CHECK(unfit({"c", 0, 100, "zigzag"}).find("labels name the capture \"c\"") == 0);
+  // Those of few frames, too.
+  for (const int last : {5, 100}) {
+    CHECK(unfit({"c", 0, last, "zigzag"}).find("labels name the capture \"c\"") == 0);
+    CHECK(unfit({"a", 481 - last, 481, "zigzag"}).find("ends at frame 481, expected") != std::string::npos);
+  }
   CHECK(unfit({"a", 0, 481, "zigzag"}).find("ends at frame 481, expected at most 480") != std::string::npos);
   const std::vector<Capture> twice = {captures[0], capture_of("other/a", plate({{"inertia_ratio", 1.35}}))};
   CHECK(error_text<samara::ArgumentError>([&] {

@@ -289,6 +289,8 @@ TEST_CASE("plans of sweeps that cannot be meant are refused with their line") {
   CHECK(refusal("count = 9", "count = 9000000").find("expected at most 10000000") != std::string::npos);
   CHECK(refusal("[1.4, 3.14159]", "[3.0, 1.4]").find("expected them to increase") != std::string::npos);
   CHECK(refusal("settle = 60", "settle = 119").find("which leaves 5 frames") != std::string::npos);
+  CHECK(refusal("settle = 60", "interval = 70").find("[run] interval: is 70, which leaves 0 frames") !=
+        std::string::npos);
   CHECK(refusal("settle = 60", "settle = 60\n[refine]\nrounds = 10").find("falls") != std::string::npos);
   CHECK(error_text<samara::InputError>([] {
           plates("[sample]\ncount = 5\n[refine]\nrounds = 1\n",

@@ -288,6 +288,8 @@ def test_a_wind_is_its_profile_and_its_field(tmp_path):
     np.testing.assert_allclose(series[:, :, 0].mean(axis=0), 4.0, rtol=1e-9)
     with pytest.raises(samara.ArgumentError, match="do not broadcast"):
         wind.velocity([0.0, 1.0], at)
+    with pytest.raises(samara.ArgumentError, match="heights have a number that is not finite"):
+        wind.profile([np.nan, 1.0])
     with pytest.raises(samara.InputError, match="missing.toml"):
         samara.Wind(tmp_path / "missing.toml").profile(2.0)
 
