@@ -143,6 +143,7 @@ NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricMod
   if (stored->summary.status == flow::to_string(flow::FlowStatus::max_time))
     warn(fmt::format("--flow: {} was not finished: {}", words.flow, stored->summary.message));
   const auto view = std::make_shared<const flow::FlowView>(stored, placement);
+  flow::check_release(*view, model);
   return {.source = models::fluid_seen_in(view, seed, seen_options(arguments, model, body_radius)),
           .description = fmt::format("the flow of {} at {:.6g} m/s and {:.6g} m{}", words.flow,
                                      placement.speed, placement.length,

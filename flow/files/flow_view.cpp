@@ -4,10 +4,14 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 #include "samara/flow/turbulence/k_epsilon.h"
+#include "samara/models/stochastic/gust_layout.h"
 
 namespace samara::flow {
 
@@ -103,6 +107,16 @@ bool FlowView::inside(const Eigen::Vector3d& position) const {
   return true;
 }
 
+bool FlowView::in_body(const Eigen::Vector3d& position) const {
+  if (!inside(position)) return false;
+  const Eigen::Vector3d cells = in_cells(position);
+  std::array<int, 3> nearest{};
+  for (int d = 0; d < flow_->grid.dimensions; ++d)
+    nearest[static_cast<std::size_t>(d)] = Spline(cells(d)).nearest;
+  const auto at = flow_->grid.at(nearest[0], nearest[1], nearest[2]);
+  return flow_->open[static_cast<std::size_t>(at)] == 0.0;
+}
+
 FlowView::Value FlowView::value_of(const Field& field, const Eigen::Vector3d& position) const {
   const MacGrid& grid = flow_->grid;
   const Eigen::Vector3d cells = in_cells(position);
@@ -162,6 +176,20 @@ models::Turbulence FlowView::turbulence(double, const Eigen::Vector3d& position)
   for (int d = 0; d < flow_->grid.dimensions; ++d)
     energy.sigma_gradient(kWorldAxis[d]) = kWorldSign[d] * scale * k.gradient(d);
   return energy;
+}
+
+void check_release(const FlowView& view, const models::ParametricModel& model) {
+  std::vector<double> start(static_cast<std::size_t>(model.state_count()));
+  model.initial({}, start);
+  models::BodyOnPath motion;
+  models::GustLayout(model.model()).read([&](int i) { return start[static_cast<std::size_t>(i)]; }, motion);
+  const Eigen::Vector3d& p = motion.position;
+  if (view.in_body(p)) {
+    throw ArgumentError(fmt::format(
+        "the motion begins at ({:.6g}, {:.6g}, {:.6g}) m, within the body of the flow; a place in its fluid "
+        "was expected",
+        p.x(), p.y(), p.z()));
+  }
 }
 
 }  // namespace samara::flow

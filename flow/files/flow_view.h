@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "samara/flow/files/flow_file.h"
+#include "samara/models/interface/parametric_model.h"
 #include "samara/models/stochastic/turbulent_flow.h"
 
 namespace samara::flow {
@@ -38,6 +39,8 @@ class FlowView final : public models::TurbulentFlow {
   models::Turbulence turbulence(double t, const Eigen::Vector3d& position) const override;
   /// Whether the grid holds the point, a cell at its borders left out.
   bool inside(const Eigen::Vector3d& position) const;
+  /// Whether the point lies in a cell that the flow's own body closes.
+  bool in_body(const Eigen::Vector3d& position) const;
 
  private:
   struct Value;
@@ -53,5 +56,8 @@ class FlowView final : public models::TurbulentFlow {
   Field open_k_, open_epsilon_;     ///< 0 in closed cells
   models::Turbulence beyond_;       ///< of what is beyond the grid
 };
+
+/// Of a motion that begins with no coordinate free. @throws ArgumentError if that is within the flow's own body
+void check_release(const FlowView& view, const models::ParametricModel& model);
 
 }  // namespace samara::flow

@@ -173,7 +173,9 @@ std::shared_ptr<const models::AirSource> air_of(const py::dict& given, const std
                                            .length = given["length"].cast<double>(),
                                            .body = place_of(given["place"].cast<std::vector<double>>()),
                                            .stream_beyond = given["stream_beyond"].cast<bool>()};
-    return models::fluid_seen_in(std::make_shared<flow::FlowView>(stored, placement), seed, seen);
+    const auto view = std::make_shared<const flow::FlowView>(stored, placement);
+    flow::check_release(*view, model);
+    return models::fluid_seen_in(view, seed, seen);
   }
   const auto k = given["k"].cast<double>(), epsilon = given["epsilon"].cast<double>();
   const Eigen::Vector3d stream = place_of(given["stream"].cast<std::vector<double>>());

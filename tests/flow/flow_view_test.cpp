@@ -5,8 +5,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "../error_text.h"
 #include "flow_cases.h"
 #include "samara/base/errors.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::flow;
 
@@ -63,6 +65,21 @@ TEST_CASE("a flow in the world has its size and speed, its y upwards, and exact 
   CHECK(energy.k == Approx(9.0 * std::pow(2.0 + 0.73 / 3, 2)).epsilon(1e-3));
   CHECK(energy.epsilon == Approx(27.0 / 0.5 * 3.0));
   CHECK(energy.inside);
+}
+
+TEST_CASE("a motion that begins within the body of a flow is refused, and one beside it is not", "[flow]") {
+  const int dimensions = GENERATE(2, 3);
+  auto flow = std::make_shared<StoredFlow>(*made_up(dimensions));
+  // The cells about the flow place (0.55, 0.25, 0.35).
+  flow->open[static_cast<std::size_t>(flow->grid.at(15, 17, dimensions == 3 ? 15 : 0))] = 0.0;
+  const FlowView view(flow, {.speed = 3.0, .length = 0.5, .body = {10.0, -4.0, 2.0}});
+  const auto refusal = [&](double x) {
+    const samara::models::ParametricModel body(samara::models::find_model("sphere_flight_in_gusts"),
+                                               {{"x(0)", x}, {"y(0)", -4.175}, {"z(0)", 2.125}}, {});
+    return error_text<samara::ArgumentError>([&] { check_release(view, body); });
+  };
+  CHECK(refusal(10.276).starts_with("the motion begins at (10.276, -4.175, 2.125) m, within the body"));
+  CHECK(refusal(10.324) == "no exception");
 }
 
 TEST_CASE("beyond its grid a flow is the stream, without energy", "[flow]") {
