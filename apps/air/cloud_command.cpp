@@ -144,19 +144,15 @@ void check_memory(const models::RealiseOptions& options, Eigen::Index frames, co
   }
 }
 
-void warn_of_steps(const models::Ensemble& cloud, double step) {
-  const auto percent = [](double share) { return fmt::format("{:.0f} %", 100.0 * share); };
-  const models::StepShares& shares = cloud.steps;
-  const std::string better = fmt::format("--step {:.2g} would do", 0.1 * shares.shortest);
-  if (shares.beyond_third > 0.05) {
-    warn(fmt::format(
-        "{} of the steps of {:.3g} s are longer than 0.3 of the time in which the air changes; {}",
-        percent(shares.beyond_third), step, better));
-  } else if (shares.beyond_tenth > 0.05) {
+void warn_of_steps(const models::Ensemble& cloud) {
+  constexpr const char* kOption = "--step ";
+  if (const std::string doubt = models::doubt_of_steps(cloud, kOption); !doubt.empty()) {
+    warn(doubt);
+  } else if (cloud.steps.beyond_tenth > 0.05) {
     narrate(fmt::format(
-        "{} of the steps are longer than a tenth of the time in which the air changes, which matters "
+        "{:.0f} % of the steps are longer than a tenth of the time in which the air changes, which matters "
         "where its energy has a gradient; {}",
-        percent(shares.beyond_tenth), better));
+        100.0 * cloud.steps.beyond_tenth, models::better_step(cloud, kOption)));
   }
 }
 
@@ -232,7 +228,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
     warn("interrupted before the first 256 realisations were done");
     return kInterrupted;
   }
-  warn_of_steps(cloud, options.step);
+  warn_of_steps(cloud);
   warn_of_gusts(air.shortest_gust, options.step);
   if (!arguments.cloud.picture.empty())
     io::write_text_atomically(arguments.cloud.picture, cloud_picture(cloud, layout, options.ground));

@@ -6,6 +6,7 @@
 
 #include <boost/iterator/counting_iterator.hpp>
 #include <boost/math/special_functions/beta.hpp>
+#include <fmt/format.h>
 
 #include "samara/models/stochastic/ensemble_sums.h"
 
@@ -98,6 +99,18 @@ LandingStatistics landing_statistics(const Ensemble& ensemble) {
     }
   }
   return result;
+}
+
+std::string better_step(const Ensemble& cloud, std::string_view option) {
+  if (cloud.count(RealisationStatus::not_finite) > 0) return "flights diverged, shorter ones are needed";
+  return fmt::format("{}{:.2g} would do", option, 0.1 * cloud.steps.shortest);
+}
+
+std::string doubt_of_steps(const Ensemble& cloud, std::string_view option) {
+  if (!(cloud.steps.beyond_third > 0.05)) return {};
+  return fmt::format(
+      "{:.0f} % of the steps of {:.3g} s are longer than 0.3 of the time in which the air changes; {}",
+      100.0 * cloud.steps.beyond_third, cloud.step, better_step(cloud, option));
 }
 
 }  // namespace samara::models

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -97,5 +98,13 @@ inline constexpr double kLandingShares[] = {0.05, 0.25, 0.5, 0.75, 0.95};
 
 /// Numbers are NaN where nothing landed; errors where too few did.
 LandingStatistics landing_statistics(const Ensemble& ensemble);
+
+/// What to do about steps that are too long for the air, "--step 0.0003 would do"; where flights diverged no number is
+/// known: their own scales are no longer those of the air.
+/// @param option in front of the number
+std::string better_step(const Ensemble& cloud, std::string_view option);
+
+/// One sentence where more than 5 % of the steps are 0.3 of the time in which the air changes or longer; else empty.
+std::string doubt_of_steps(const Ensemble& cloud, std::string_view option);
 
 }  // namespace samara::models

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -242,6 +243,11 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
       .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
   const models::Ensemble cloud =
       unlocked(*failure, [&] { return codebooks::realise(model, {}, *source, times, options, checkpoint); });
+  if (std::string doubt = models::doubt_of_steps(cloud, "step="); !doubt.empty())
+    warnings.push_back(std::move(doubt));
+  if (const long lost = cloud.count(models::RealisationStatus::not_finite); lost > 0)
+    warnings.push_back(fmt::format("{} of {} flights diverged, and are no numbers from there on", lost,
+                                   cloud.realisations()));
   py::list status;
   for (const models::RealisationStatus one : cloud.status) status.append(word_of(one));
   Eigen::MatrixXd landings(static_cast<Eigen::Index>(cloud.landings.size()), 5);

@@ -322,6 +322,12 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
     with pytest.raises(samara.InputError, match="this is no checkpoint of a build or a cloud"):
         samara.realise("immersed_body_in_gusts", LEAF, times, air, 64, 7, checkpoint=kept)
     assert kept.read_text() == "t,z\n"
+    # Steps that are too long are doubted as by the command, without a number where flights diverge.
+    with pytest.warns(UserWarning) as told:
+        samara.realise("immersed_body_in_gusts", LEAF, times, samara.Turbulence(5, 50), 64, step="20 ms")
+    sentences = [str(warning.message) for warning in told]
+    assert re.search("% of the steps of 0.02 s are longer than 0.3 of .*; flights diverged, shorter ones are needed", sentences[0])
+    assert re.search("[0-9]+ of 64 flights diverged", sentences[1])
     # What is wrong with the call is said before a checkpoint that could be none.
     with pytest.raises(samara.ArgumentError, match='has no state "speed"'):
         samara.realise("immersed_body_in_gusts", LEAF, times, air, states=["speed"], checkpoint=tmp_path)
