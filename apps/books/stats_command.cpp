@@ -119,16 +119,6 @@ codebooks::JointNormal joint_of(const std::string& file, const Codebook& book) {
   return joint;
 }
 
-/// Before any work: each is a column.
-void check_quantiles(const std::vector<double>& shares) {
-  for (auto share = shares.begin(); share != shares.end(); ++share) {
-    if (!(*share > 0.0 && *share < 1.0))
-      throw ArgumentError(fmt::format("--quantiles has {}, expected a share above 0 and below 1", *share));
-    if (std::find(shares.begin(), share, *share) != share)
-      throw ArgumentError(fmt::format("--quantiles has {} twice, expected each share once", *share));
-  }
-}
-
 codebooks::StatisticsRequest request_of(const StatsArguments& arguments, const Codebook& book) {
   codebooks::StatisticsRequest request;
   std::vector<std::string> known;
@@ -240,7 +230,6 @@ Json statistics_json(const Codebook& book, const BookStatistics& s) {
 }
 
 int run_stats(const StatsArguments& arguments) {
-  check_quantiles(arguments.quantiles);
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.fit});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);

@@ -236,8 +236,8 @@ class Answers(Case):
                                 ("k=normal(30, 1)", "outside the codebook's box"), ("q=3", "unknown name"),
                                 ("k=4..2", "below the largest"), ("k=normal(3, 1e-17)", "below rounding")]:
             self.check_error(run("stats", plan, "--set", wrong), 2, sentence)
-        for wrong, sentence in [(["0", "1"], "--quantiles has 0, expected a share above 0 and below 1"), (["0.5", "1"], "--quantiles has 1,"),
-                                (["0.5", "0.1", "0.50"], "--quantiles has 0.5 twice"), (["nan"], "--quantiles")]:
+        for wrong, sentence in [(["0", "1"], "a quantile is asked for at 0, expected a share above 0 and below 1"), (["0.5", "1"], "asked for at 1,"),
+                                (["0.5", "0.1", "0.50"], "the quantile at 0.5 is asked for twice"), (["nan"], "nan")]:
             self.check_error(run("stats", plan, "--quantiles", *wrong), 2, sentence)
         self.check_error(run("stats", plan, "--group", "k"), 2, "--group \"k\"", "a single input")
 
