@@ -5,6 +5,8 @@
 #include <exception>
 #include <functional>
 #include <thread>
+
+#include <tbb/task_arena.h>
 #else
 #include <tbb/parallel_for.h>
 #endif
@@ -14,7 +16,7 @@ namespace samara {
 #ifdef __SANITIZE_THREAD__
 
 // On threads that the sanitizer sees through: it does not look into TBB's library, and takes what that orders for
-// races.
+// races. Two threads find what more would, where the arena allows more than one.
 void parallel_steps(std::ptrdiff_t count, const void* body,
                     void (*step)(const void* body, std::ptrdiff_t i)) {
   std::atomic<std::ptrdiff_t> next = 0;
@@ -27,7 +29,7 @@ void parallel_steps(std::ptrdiff_t count, const void* body,
       next = count;
     }
   };
-  if (count > 1) {
+  if (count > 1 && tbb::this_task_arena::max_concurrency() > 1) {
     std::thread other(work, std::ref(thrown[1]));
     work(thrown[0]);
     other.join();
