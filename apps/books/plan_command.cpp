@@ -48,7 +48,8 @@ std::vector<std::string> names_of(const std::string& source) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(source, ignored) && codebooks::is_codebook(source)) {
     std::vector<std::string> names;
-    for (const codebooks::Coordinate& c : codebooks::load(source).parameters()) names.push_back(c.name);
+    const codebooks::Codebook book = codebooks::load(source);
+    for (const codebooks::Coordinate& c : book.parameters()) names.push_back(c.name);
     return names;
   }
   if (!is_plan(source)) return settable_names(codebooks::open_model(source)->info());

@@ -104,7 +104,8 @@ void check_output(const codebooks::Codebook& book, const models::ModelInfo& mode
   codebooks::Query query(book, {.outputs = {label.name}});
   Eigen::VectorXd value(1);
   for (const codebooks::Piece& piece : book.pieces()) {
-    for (const double t : piece.outline().axes.front().nodes()) {
+    const codebooks::PieceOutline outline = piece.outline();
+    for (const double t : outline.axes.front().nodes()) {
       query.values({&t, 1}, value);
       if (models::in_meaning(*parameter, value[0])) continue;
       throw ArgumentError(fmt::format("the series has {} = {} at {}; a value {} was expected", label.name,

@@ -126,7 +126,8 @@ class PlanReader {
         throw ArgumentError(fmt::format("the series has {}, expected {}", join(names), key));
       std::vector<double> range, values(names.size());
       for (const codebooks::Piece& piece : book.pieces()) {
-        for (const double t : piece.outline().axes.front().nodes()) {
+        const codebooks::PieceOutline outline = piece.outline();
+        for (const double t : outline.axes.front().nodes()) {
           course->values(t, {}, values);
           range.push_back(values[static_cast<std::size_t>(found - names.begin())]);
         }
