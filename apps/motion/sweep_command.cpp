@@ -12,6 +12,7 @@
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/io/file_lock.h"
 #include "samara/motion/sweeps/refining.h"
+#include "samara/motion/sweeps/sweep_checkpoint.h"
 #include "samara/motion/sweeps/sweep_file.h"
 #include "terminal/interrupts.h"
 #include "terminal/output.h"

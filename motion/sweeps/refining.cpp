@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "samara/codebooks/book/sobol_points.h"
-#include "samara/codebooks/source/checkpoint.h"
 #include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/sweep_checkpoint.h"
 #include "samara/motion/sweeps/sweep_file.h"
 
 namespace samara::motion {

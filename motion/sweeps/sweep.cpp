@@ -11,9 +11,9 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
-#include "samara/codebooks/source/checkpoint.h"
 #include "samara/models/batch/watch_batch.h"
 #include "samara/motion/sweeps/lyapunov_exponents.h"
+#include "samara/motion/sweeps/sweep_checkpoint.h"
 #include "samara/motion/sweeps/sweep_file.h"
 
 namespace samara::motion {

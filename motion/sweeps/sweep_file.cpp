@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/source/checkpoint.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/io/hdf5_writer.h"
 
@@ -237,8 +236,6 @@ void save_checkpoint(const Sweep& sweep, const std::filesystem::path& path) {
 bool is_sweep_checkpoint(const std::filesystem::path& file) {
   return io::is_hdf5_with(file, kCheckpointMark);
 }
-
-const codebooks::CheckpointKind kSweepCheckpoint = {"a sweep", is_sweep_checkpoint};
 
 Sweep load_sweep(const std::filesystem::path& path) {
   const io::Hdf5Reader file(path);

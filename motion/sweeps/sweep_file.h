@@ -4,10 +4,6 @@
 
 #include "samara/motion/sweeps/sweep.h"
 
-namespace samara::codebooks {
-struct CheckpointKind;
-}
-
 /// Sweeps as HDF5 files, "samara-sweep" 0.1: plain groups and datasets, see docs/reference/sweep.md.
 namespace samara::motion {
 
@@ -25,7 +21,5 @@ bool is_sweep(const std::filesystem::path& path);
 
 /// Whether a file has the mark of save_checkpoint(), also if it is damaged.
 bool is_sweep_checkpoint(const std::filesystem::path& file);
-
-extern const codebooks::CheckpointKind kSweepCheckpoint;
 
 }  // namespace samara::motion
