@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/limits.h"
 #include "samara/base/require.h"
 #include "samara/base/streams.h"
 
@@ -24,6 +25,10 @@ void check_clustering(const Eigen::MatrixXd& points, const ClusterOptions& optio
   require(options.tolerance >= 0.0, "tolerance", options.tolerance, "a number from 0 on");
   if (!points.allFinite())
     throw ArgumentError("a point to be clustered is not finite; points that are were expected");
+  if (const double most = points.size() > 0 ? points.cwiseAbs().maxCoeff() : 0.0; most > kLargestInput) {
+    throw ArgumentError(fmt::format("a point to be clustered holds a number of size {}, expected at most {}",
+                                    most, kLargestInput));
+  }
   if (points.cols() < 1)
     throw ArgumentError("the points to be clustered have no feature, expected at least one");
   if (points.rows() < options.clusters) {
@@ -104,7 +109,7 @@ Clusters one_k_means(const Eigen::MatrixXd& points, const ClusterOptions& option
   return result;
 }
 
-/// The largest cluster becomes number 0.
+/// The largest cluster becomes number 0; the message says how many have no points.
 void number_by_size(Clusters& clusters) {
   const auto count = static_cast<std::size_t>(clusters.centres.rows());
   std::vector<int> sizes(count, 0), order(count), number(count);
@@ -114,6 +119,8 @@ void number_by_size(Clusters& clusters) {
   for (std::size_t k = 0; k < count; ++k) number[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
   for (int& c : clusters.assignment) c = number[static_cast<std::size_t>(c)];
   clusters.centres = clusters.centres(order, Eigen::all).eval();
+  const auto empty = std::ranges::count(sizes, 0);
+  if (empty > 0) clusters.message += fmt::format("; {} of {} clusters have no points", empty, count);
 }
 
 /// The mixture's parameters.
@@ -147,10 +154,13 @@ double expect(const Eigen::MatrixXd& points, const Mixture& mixture, Eigen::Matr
   return sum / static_cast<double>(points.rows());
 }
 
+/// A component without points keeps its mean and covariance, and the weight of 1e-12 points.
 void maximise(const Eigen::MatrixXd& points, const Eigen::MatrixXd& shares, double floor, Mixture& mixture) {
+  constexpr double kLeastPoints = 1e-12;
   for (Eigen::Index c = 0; c < shares.cols(); ++c) {
-    const double total = std::max(shares.col(c).sum(), 1e-12);
-    mixture.weights[c] = total / static_cast<double>(points.rows());
+    const double total = shares.col(c).sum();
+    mixture.weights[c] = std::max(total, kLeastPoints) / static_cast<double>(points.rows());
+    if (total <= kLeastPoints) continue;
     mixture.means.row(c) = shares.col(c).transpose() * points / total;
     const Eigen::MatrixXd centred = points.rowwise() - mixture.means.row(c);
     Eigen::MatrixXd& covariance = mixture.covariances[static_cast<std::size_t>(c)];
@@ -196,8 +206,9 @@ Clusters gaussian_mixture(const Eigen::MatrixXd& points, const ClusterOptions& o
       shares(n, here.assignment[static_cast<std::size_t>(n)]) = 1.0;
     Mixture mixture;
     mixture.weights.resize(options.clusters);
-    mixture.means.resize(options.clusters, points.cols());
-    mixture.covariances.resize(static_cast<std::size_t>(options.clusters));
+    mixture.means = here.centres;
+    mixture.covariances.assign(static_cast<std::size_t>(options.clusters),
+                               floor * Eigen::MatrixXd::Identity(points.cols(), points.cols()));
     for (int iteration = 0; iteration < options.max_iterations && !here.converged; ++iteration) {
       maximise(points, shares, floor, mixture);
       here.objective = expect(points, mixture, shares);

@@ -20,18 +20,19 @@ struct ClusterOptions {
 
 struct Clusters {
   std::vector<int> assignment;  ///< per point; numbered from the largest cluster on
-  Eigen::MatrixXd centres;      ///< clusters x columns
+  Eigen::MatrixXd centres;      ///< clusters x columns; of a cluster without points, the last place it had
   double objective = 0.0;       ///< k-means: sum of squared distances; mixture: mean log-likelihood
   std::vector<double> history;  ///< objective after each iteration of the best start
   bool converged = false;
-  std::string message = "not run";
+  std::string message = "not run";  ///< how it ended, and how many clusters have no points, if any
 };
 
 /// Columns shifted to mean 0 and scaled to deviation 1; a column that does not vary becomes 0.
 Eigen::MatrixXd standardised(const Eigen::MatrixXd& points);
 
 /// Lloyd's iterations from k-means++ seeds (D. Arthur, S. Vassilvitskii, SODA 2007).
-/// @throws ArgumentError for points that are not finite or fewer than clusters, or options outside their meaning.
+/// @throws ArgumentError for points that are not finite, above kLargestInput (base/limits.h) or fewer than clusters, or
+///   options outside their meaning.
 Clusters k_means(const Eigen::MatrixXd& points, const ClusterOptions& options = {});
 
 /// Gaussian mixture with full covariances by expectation and maximisation, begun at k-means; each covariance has

@@ -79,6 +79,26 @@ TEST_CASE("clusters are the same for the same seed, and numbered by size") {
         gaussian_mixture(all.points, {.seed = 5}).assignment);
 }
 
+TEST_CASE("clusters beyond the points that differ have none, lie where points are, and are told") {
+  Eigen::MatrixXd points(8, 2);
+  for (Eigen::Index n = 0; n < 8; ++n) points.row(n) << (n < 5 ? 3.0 : 5.0), 7.0;
+  const Eigen::MatrixXd alike = points.topRows(5);
+  for (const auto& find : {k_means, gaussian_mixture}) {
+    const Clusters some = find(points, {.clusters = 4}), one = find(alike, {.clusters = 3});
+    CHECK(some.assignment == std::vector<int>{0, 0, 0, 0, 0, 1, 1, 1});
+    CHECK(some.message.ends_with("iterations; 2 of 4 clusters have no points"));
+    CHECK(one.assignment == std::vector<int>(5, 0));
+    CHECK(one.message.ends_with("iterations; 2 of 3 clusters have no points"));
+    for (const Clusters& found : {some, one}) {
+      CHECK(std::isfinite(found.objective));
+      for (Eigen::Index c = 0; c < found.centres.rows(); ++c) {
+        const auto distances = (points.rowwise() - found.centres.row(c)).rowwise().norm();
+        CHECK(distances.minCoeff() < 1e-6);
+      }
+    }
+  }
+}
+
 TEST_CASE("standardised columns have mean 0 and deviation 1, or do not vary") {
   Eigen::MatrixXd points(4, 2);
   points << 1, 7, 2, 7, 3, 7, 6, 7;
@@ -103,4 +123,8 @@ TEST_CASE("clusterings that cannot be meant are refused") {
   bad(1, 1) = NAN;
   CHECK(error_text<samara::ArgumentError>([&] { k_means(bad, {.clusters = 2}); }).find("not finite") !=
         std::string::npos);
+  bad(1, 1) = -1e160;  // its square overflows
+  CHECK(error_text<samara::ArgumentError>([&] {
+          gaussian_mixture(bad, {.clusters = 2});
+        }).find("a number of size 1e+160, expected at most 1e+60") != std::string::npos);
 }
