@@ -244,6 +244,16 @@ int Codebook::coordinate_index(const std::string& name) const {
   return index_of(coordinates_, name, "coordinate");
 }
 int Codebook::output_index(const std::string& name) const {
+  const auto has = [&](const std::vector<pgd::OutputLabel>& labels) {
+    return std::ranges::find(labels, name, &pgd::OutputLabel::name) != labels.end();
+  };
+  if (!has(outputs_) && has(derived_outputs(*this))) {
+    std::vector<std::string> stored;
+    for (const pgd::OutputLabel& output : outputs_) stored.push_back(output.name);
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is derived by the model, one that is stored was expected: {}", name,
+                    join(stored)));
+  }
   return index_of(outputs_, name, "output");
 }
 

@@ -14,6 +14,10 @@
 #include "samara/codebooks/book/front_map.h"
 #include "samara/codebooks/book/space_mesh.h"
 
+namespace samara::models {
+class Model;
+}
+
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
 /// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows one),
 /// or a field of space (and time, if it changes) over a box of parameters, with a certificate of its error.
@@ -24,10 +28,6 @@
 ///   Query query(book);
 ///   Eigen::VectorXd values(book.output_count());
 ///   query.values({{0.3, 1.15, 0.0}}, values);        // t, C_D, v(0)
-namespace samara::models {
-class Model;
-}
-
 namespace samara::codebooks {
 
 /// The name of the model of a codebook that was sampled from a program.
@@ -61,7 +61,8 @@ struct Provenance {
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
   std::string builder;  ///< "pgd", "sampling", or "fit": of a series of coefficients
-  /// One of pgd::strategy_names(); of sampling "cross" or "steps"; in older files also "newton".
+  /// One of pgd::strategy_names(); of sampling "cross" or "steps", and of flows "grid" or "modes"; of a fit "series";
+  /// in older files also "newton".
   std::string strategy;
   Termination status = Termination::failed;
   std::string message;     ///< in one sentence
@@ -124,6 +125,8 @@ struct Coordinate {
   double upper = 0.0;
 };
 
+/// The whole: pieces that each answer in a part of the box, with what is known of how they came about. Does not change
+/// once it is made; cheap to copy, as copies share their pieces, and safe to share between threads.
 class Codebook {
  public:
   /// Keeps the pieces in the order of their lower corners.
@@ -161,6 +164,7 @@ class Codebook {
   const std::optional<Certificate>& certificate() const { return certificate_; }
   const std::string& title() const { return title_; }
 
+  /// The place of a name among coordinates(), and among outputs(), which are stored: not of derived_outputs().
   /// @throws ArgumentError with the nearest known name.
   int coordinate_index(const std::string& name) const;
   int output_index(const std::string& name) const;

@@ -12,14 +12,14 @@ namespace samara::codebooks {
 
 namespace {
 
-/// The stored outputs that options ask for; nothing where one of them is derived.
+/// The stored outputs that options ask for; nothing where one of them is not stored.
 std::vector<pgd::OutputLabel> stored_outputs(const Codebook& book, const QueryOptions& options) {
   if (options.outputs.empty()) return book.outputs();
-  const std::vector<pgd::OutputLabel> derived = derived_outputs(book);
   std::vector<pgd::OutputLabel> outputs;
   for (const std::string& name : options.outputs) {
-    if (std::ranges::find(derived, name, &pgd::OutputLabel::name) != derived.end()) return {};
-    outputs.push_back(book.outputs()[static_cast<std::size_t>(book.output_index(name))]);
+    const auto stored = std::ranges::find(book.outputs(), name, &pgd::OutputLabel::name);
+    if (stored == book.outputs().end()) return {};
+    outputs.push_back(*stored);
   }
   return outputs;
 }

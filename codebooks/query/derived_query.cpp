@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/codebooks/book/argument_checks.h"
 #include "samara/codebooks/book/book_model.h"
 #include "samara/models/trajectories/derived_outputs.h"
@@ -27,6 +28,14 @@ struct OutputPlace {
 template <class Items>
 Eigen::Index index_in(const Items& items, const std::string& name) {
   return std::ranges::find(items, name) - std::ranges::begin(items);
+}
+
+const pgd::OutputLabel& label_of(const std::vector<pgd::OutputLabel>& outputs, const std::string& name) {
+  const auto found = std::ranges::find(outputs, name, &pgd::OutputLabel::name);
+  if (found != outputs.end()) return *found;
+  std::vector<std::string> known;
+  for (const pgd::OutputLabel& output : outputs) known.push_back(output.name);
+  throw ArgumentError(fmt::format("the codebook has no output \"{}\"{}", name, suggestion(name, known)));
 }
 
 }  // namespace
@@ -86,18 +95,14 @@ struct DerivedQuery::Impl {
 
 DerivedQuery::DerivedQuery(const Codebook& book, const QueryOptions& options) {
   const std::vector<pgd::OutputLabel> derived = derived_outputs(book);
+  std::vector<pgd::OutputLabel> all = book.outputs();
+  all.insert(all.end(), derived.begin(), derived.end());
   std::vector<pgd::OutputLabel> wanted;
-  if (options.outputs.empty()) {
-    wanted = book.outputs();
-    wanted.insert(wanted.end(), derived.begin(), derived.end());
-  }
-  for (const std::string& name : options.outputs) {
-    const auto label = std::ranges::find(derived, name, &pgd::OutputLabel::name);
-    wanted.push_back(label == derived.end() ? pgd::OutputLabel{name, ""} : *label);
-  }
+  if (options.outputs.empty()) wanted = all;
+  for (const std::string& name : options.outputs) wanted.push_back(label_of(all, name));
   std::vector<std::string> own;
   std::vector<OutputPlace> places;
-  for (pgd::OutputLabel& label : wanted) {
+  for (const pgd::OutputLabel& label : wanted) {
     const auto found = std::ranges::find(derived, label.name, &pgd::OutputLabel::name);
     if (found != derived.end()) {
       const OutputPlace place{true, found - derived.begin()};
@@ -107,9 +112,7 @@ DerivedQuery::DerivedQuery(const Codebook& book, const QueryOptions& options) {
       continue;
     }
     places.push_back({false, std::ssize(own)});
-    own.push_back(label.name);  // a name that is unknown is refused by the query
-    for (const pgd::OutputLabel& output : book.outputs())
-      if (output.name == label.name) label.unit = output.unit;
+    own.push_back(label.name);
   }
   if (std::ranges::any_of(places, &OutputPlace::is_derived)) {
     for (const models::StateInfo& state : known_model(book.model())->info().states)

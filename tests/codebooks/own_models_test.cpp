@@ -245,7 +245,9 @@ outputs.hunted = { value = "hunt*prey*predator*(1 + 0.1 [1/s]*t)", unit = "1/s" 
 
   using Names = std::vector<std::string>;
   CHECK_THROWS_WITH(DerivedQuery(book, {.outputs = Names{"all", "prey", "all"}}), Contains("chosen twice"));
-  CHECK_THROWS_WITH(DerivedQuery(book, {.outputs = Names{"al"}}), Contains("\"al\""));
+  CHECK_THROWS_WITH(DerivedQuery(book, {.outputs = Names{"weight"}}),
+                    Contains("no output \"weight\"; known: prey, predator, all, hunted"));
+  CHECK_THROWS_WITH(book.output_index("all"), Contains("one that is stored was expected: prey, predator"));
   CHECK_THROWS_AS(some.values(std::vector{2.3, 1.2, 0.093}, z), samara::OutsideBoxError);
 }
 
