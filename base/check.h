@@ -5,8 +5,8 @@
 
 namespace samara {
 
-/// What the test kit for a part of one's own has found: a model, a family of trajectories, an evolution system, a
-/// strategy.
+/// What a test kit has found of a part that a user has written: a model, a family of trajectories, an evolution system,
+/// a strategy.
 struct Check {
   std::vector<std::string> findings;    ///< a sentence per broken promise; none is good
   std::vector<std::string> notes = {};  ///< what breaks no promise, but is good to know

@@ -11,7 +11,7 @@ inline double smoothstep(double s) {
   return inside * inside * (3.0 - 2.0 * inside);
 }
 
-/// What has gone a share of the way; at the end of it `to` itself, to the last bit.
+/// The number that has gone a share, 0 to 1, of the way between two; at the end of it `to` itself, to the last bit.
 inline double gone(double from, double to, double share) {
   return share == 1.0 ? to : from + share * (to - from);
 }

@@ -10,7 +10,8 @@
 /// How numerical work ends. That it ends without what was asked for is no error: it is said in the result.
 namespace samara {
 
-/// One list for marches, strategies, samples and builds; each of them documents which values it returns.
+/// One list for all work: marches, strategies, crosses, samples, builds, fits. Each function documents which values it
+/// returns.
 enum class Termination {
   converged,       ///< to the tolerance, as far as the work itself can tell
   missed,          ///< finished, but not to the tolerance

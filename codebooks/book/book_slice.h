@@ -9,13 +9,14 @@
 
 namespace samara::codebooks {
 
-/// The codebook with some of its coordinates held: those that go are restricted exactly, factor by factor,
-/// and stand among ModelDescription::fixed of the result. Where several pieces hold the values, the first one
-/// answers, as in queries: those after it are cut, exactly, to what no earlier one holds. So the pieces of a slice have
-/// borders in common at most, and at these the lower one answers, as in every codebook; there it may be another one
-/// than in queries. A piece stays whole, and may answer in place of an earlier one, where it has a front, or where a
-/// period or the nodes of a mesh would have to be cut.
-/// Pieces that do not hold a value, or that no query comes to, go. With nothing held it is the codebook itself, whose
+/// The codebook with some of its coordinates held: the result is without them, exactly (factors are evaluated there),
+/// and has them among ModelDescription::fixed.
+///
+/// Pieces that do not hold a value, or that no query comes to, go. Where several hold the values, the first one
+/// answers, as in queries: those after it are cut, exactly, to what no earlier one holds. So the pieces of a slice
+/// have borders in common at most, and at these the lower one answers, as in every codebook; there it may be another
+/// one than in queries. A piece stays whole, and may answer in place of an earlier one, where it has a front, or
+/// where a period or the nodes of a mesh would have to be cut. With nothing held it is the codebook itself, whose
 /// pieces may overlap.
 ///
 /// The slice has no certificate: that of the whole says how few points of its box are wrong, not where.

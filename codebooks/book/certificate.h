@@ -32,9 +32,9 @@ struct NormDefect {
 
 /// What the builder spent of the tolerance, in the same measure.
 struct ErrorBudget {
-  double discretisation = 0.0;
-  double compression = 0.0;
-  double nonlinearity = 0.0;
+  double discretisation = 0.0;  ///< by elements of the time
+  double compression = 0.0;     ///< by ranks, and by what was left out of them afterwards
+  double nonlinearity = 0.0;    ///< what a march says of its equations, at its guard points
   double total() const { return discretisation + compression + nonlinearity; }
 };
 

@@ -17,9 +17,9 @@ namespace samara::codebooks {
 
 class FrontMap {
  public:
-  static constexpr std::size_t kMostOthers = 4;
-  static constexpr int kMostCoefficients = 16;  ///< along one of them
-  static constexpr int kMostTogether = 512;
+  static constexpr std::size_t kMostOthers = 4;  ///< coordinates that the place of the front depends on
+  static constexpr int kMostCoefficients = 16;   ///< along one of them
+  static constexpr int kMostTogether = 512;      ///< products of coefficients of all of them
 
   /// A coordinate that the place of the front depends on, by Chebyshev polynomials over its interval.
   struct Other {

@@ -32,6 +32,7 @@ class PieceFinder {
 
   /// The place of the piece, or -1 in a gap. @param x finite
   int find(const double* x) const;
+  /// Whether that piece holds the point, borders included. @param x finite
   bool contains(int piece, const double* x) const;
 
  private:

@@ -60,6 +60,7 @@ class CallMemory {
   std::vector<Places> places_;  ///< per sheet, of the points by their bytes
   /// Points that failed, with the reason, in this build: a command that hangs need not hang again for them.
   std::unordered_map<std::string, std::string> failures_;
+  /// Points to be asked for at a time, as SampledSource::batch and batch_seconds have it.
   std::size_t next_batch() const;
 
   double last_seconds_per_call_ = 0.0;  ///< of the batch before; 0: there was none

@@ -24,6 +24,7 @@ struct CheckpointKind {
   bool (*is_one)(const std::filesystem::path& file);  ///< of a regular file
 };
 
+/// Those of this header, and of realisation_checkpoint.h.
 inline constexpr CheckpointKind kJournalKind = {"a build or a cloud", is_journal};
 
 /// Of a path whose file is replaced, and removed in the end: nothing stands there, an empty file, or a checkpoint of
@@ -100,7 +101,8 @@ class Checkpoint {
   std::vector<HeldSheet> held_;        ///< calls in the file
 };
 
-/// A disk that is full must not end work that needs no disk: what `save` throws is told, once.
+/// A function that saves, and does not throw where that fails: a disk that is full must not end work that needs no
+/// disk. What `save` throws of the family of Error is told, once.
 template <class... State>
 std::function<void(const State&...)> told_once(
     std::type_identity_t<std::function<void(const State&...)>> save,

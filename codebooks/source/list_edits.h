@@ -7,7 +7,8 @@
 /// What is new in a long list of numbers that has changed in few places.
 namespace samara::codebooks {
 
-/// A list is made anew by its edits: each copies numbers of the old list, and lets new ones follow.
+/// A part of a new list: numbers copied from the old one, and new ones after them. A list is made anew by its edits,
+/// one after the other.
 struct ListEdit {
   std::size_t from = 0, count = 0;  ///< in the old list
   std::vector<double> then;         ///< numbers that follow
