@@ -2,7 +2,6 @@
 
 #include <filesystem>
 
-#include "samara/base/text.h"
 #include "samara/identification/captures/capture_file.h"
 
 namespace samara::apps {
@@ -12,10 +11,7 @@ std::vector<std::string> files_of_captures(std::span<const std::string> captures
   std::vector<std::string> files;
   if (!sidecar.empty()) files.push_back(sidecar);
   for (const std::string& capture : captures) {
-    const bool is_table = ending_of(capture) != ".toml";
-    for (const std::filesystem::path& file : sidecar.empty() || !is_table
-                                                 ? identification::capture_files(capture)
-                                                 : identification::capture_files(capture, sidecar))
+    for (const std::filesystem::path& file : identification::capture_files(capture, sidecar))
       files.push_back(file.string());
   }
   return files;

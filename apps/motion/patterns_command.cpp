@@ -32,10 +32,7 @@ namespace {
 std::vector<identification::Capture> captures_of(const PatternsArguments& arguments) {
   std::vector<identification::Capture> all;
   for (const std::string& file : arguments.inputs) {
-    std::vector<identification::Capture> more = arguments.sidecar.empty()
-                                                    ? identification::read_captures(file)
-                                                    : identification::read_captures(file, arguments.sidecar);
-    std::ranges::move(more, std::back_inserter(all));
+    std::ranges::move(identification::read_captures(file, arguments.sidecar), std::back_inserter(all));
   }
   if (all.empty()) throw InputError(arguments.inputs.front(), "has no captures, expected at least one");
   return all;

@@ -38,8 +38,10 @@ void check_is_text(const std::filesystem::path& path) {
   if (!kind.empty()) throw InputError(path.string(), fmt::format("is {}, expected {}", kind, kTable));
 }
 
-Sidecar find_sidecar(const std::filesystem::path& path) {
-  if (ending_of(path) == ".toml") return read_sidecar(path);
+/// @param shared the sidecar of all tables; empty: there is none
+Sidecar find_sidecar(const std::filesystem::path& path, const std::filesystem::path& shared = {}) {
+  if (!is_table(path)) return read_sidecar(path);
+  if (!shared.empty()) return read_sidecar(shared, path);
   const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".toml");
   std::error_code ignored;
   if (std::filesystem::is_regular_file(beside, ignored)) {
@@ -247,13 +249,17 @@ std::vector<std::filesystem::path> capture_files(const std::filesystem::path& pa
   return files_of(find_sidecar(path), path);
 }
 
-std::vector<std::filesystem::path> capture_files(const std::filesystem::path& table,
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path,
                                                  const std::filesystem::path& sidecar) {
-  return files_of(read_sidecar(sidecar, table), table);
+  return files_of(find_sidecar(path, sidecar), path);
 }
 
-std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {
-  return read_all(read_sidecar(sidecar, table));
+bool is_table(const std::filesystem::path& path) {
+  return ending_of(path) != ".toml";
+}
+
+std::vector<Capture> read_captures(const std::filesystem::path& path, const std::filesystem::path& sidecar) {
+  return read_all(find_sidecar(path, sidecar));
 }
 
 namespace {

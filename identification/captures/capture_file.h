@@ -91,14 +91,19 @@ std::vector<Capture> read_captures(const std::filesystem::path& path);
 /// The files that read_captures() would read there: tables, sidecar, labels. Also those that do not exist.
 /// @throws InputError for a sidecar that cannot be read
 std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path);
-/// The same for a table and a sidecar that does not name it.
-std::vector<std::filesystem::path> capture_files(const std::filesystem::path& table,
+/// The same of read_captures() with a sidecar for many tables.
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path,
                                                  const std::filesystem::path& sidecar);
 
-/// Captures of a table and a sidecar that does not name it: one sidecar for many tables.
-/// @param table a pattern ("[0-9]*.csv") stands for every file that matches. Labels are looked for beside it.
+/// Whether a capture file is a table, and no sidecar itself.
+bool is_table(const std::filesystem::path& path);
+
+/// Captures of a table through a sidecar that does not name it: one for many tables.
+/// @param path a table; a pattern ("[0-9]*.csv") stands for every file that matches. Labels are looked for beside it.
+///   What is no table goes through itself
+/// @param sidecar empty: as without
 /// @throws InputError as above, and if the sidecar names another table
-std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar);
+std::vector<Capture> read_captures(const std::filesystem::path& path, const std::filesystem::path& sidecar);
 
 /// Captures that stand there twice would count twice: those of one id in one file, however it is spelled and whatever
 /// links lead to it, and those of two names of one file with the same frames. Captures of no file may be any.

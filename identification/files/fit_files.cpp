@@ -281,8 +281,7 @@ std::vector<std::filesystem::path> files_read(const FitRequest& request) {
         files.insert(files.end(), read.begin(), read.end());
         continue;
       }
-      const bool has_sidecar = !request.sidecar.empty() && is_table(path);
-      const auto read = has_sidecar ? capture_files(path, request.sidecar) : capture_files(path);
+      const auto read = capture_files(path, request.sidecar);
       files.insert(files.end(), read.begin(), read.end());
     }
   }

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
-#include "samara/base/text.h"
 #include "samara/base/units.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/composition/mixed_trajectories.h"
@@ -234,16 +233,11 @@ void doubt_held_values(const FitResult& fitted, const models::FamilyInfo& info, 
   }
 }
 
-bool is_table(const std::filesystem::path& path) {
-  return ending_of(path) != ".toml";
-}
-
 std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,
                               const std::filesystem::path& sidecar) {
   std::vector<Capture> captures;
   for (const std::filesystem::path& path : files) {
-    auto read = !sidecar.empty() && is_table(path) ? read_captures(path, sidecar) : read_captures(path);
-    for (Capture& capture : read) captures.push_back(std::move(capture));
+    for (Capture& capture : read_captures(path, sidecar)) captures.push_back(std::move(capture));
   }
   return captures;
 }

@@ -44,8 +44,6 @@ inline bool has_captures(const FitRequest& request) {
 /// @throws as read_captures()
 std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,
                               const std::filesystem::path& sidecar);
-/// A capture file that is no sidecar.
-bool is_table(const std::filesystem::path& path);
 
 /// A file of equations, or a name that is no file, and has no dot or slash that would make it one.
 bool is_model_source(const std::string& text);

@@ -6,7 +6,6 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/base/text.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
@@ -27,10 +26,6 @@ std::shared_ptr<const models::Model> followed_model(const std::string& source) {
     throw InputError(source,
                      "a motion is followed with its equations, which are not known; a model was expected");
   return family->equations()->shared_model();
-}
-
-std::vector<Capture> captures_in(const std::filesystem::path& file, const std::filesystem::path& sidecar) {
-  return sidecar.empty() || ending_of(file) == ".toml" ? read_captures(file) : read_captures(file, sidecar);
 }
 
 /// What a request says beside the fit.
@@ -63,7 +58,7 @@ NoiseChoice chosen_noise(const std::shared_ptr<const models::Model>& model, cons
                          const Capture& track, const FollowRequest& request) {
   std::vector<Capture> captures;
   for (const std::filesystem::path& file : request.training) {
-    for (Capture& capture : captures_in(file, request.sidecar)) {
+    for (Capture& capture : read_captures(file, request.sidecar)) {
       if (capture.id == track.id && is_same_file(capture.file, track.file)) {
         throw InputError(
             file.string(),
@@ -110,7 +105,7 @@ FollowReport follow_files(const FollowRequest& request) {
         WarningKind::source,
         "the camera of the fit was not known for sure; here its lengths and axes are taken as right");
   }
-  const std::vector<Capture> tracks = captures_in(request.track, request.sidecar);
+  const std::vector<Capture> tracks = read_captures(request.track, request.sidecar);
   if (tracks.size() != 1) {
     throw InputError(request.track.string(),
                      fmt::format("it holds {} captures; one was expected (\"where\" in a sidecar chooses)",

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -193,6 +194,19 @@ TEST_CASE("a sidecar may leave the columns to a canonical header, labels without
   const auto captures = read_captures(files.put("a.toml", "file = \"a.csv\"\ngroup_by = [\"run\"]\n"));
   REQUIRE(captures.size() == 2);
   CHECK(captures[1].channel("x").values[0] == 5.0);
+}
+
+TEST_CASE("the sidecar of many tables is of the tables among captures, and of no other sidecar") {
+  const TemporaryDirectory files;
+  const auto table = files.put("a.csv", "s,x\n0,0\n1,1\n2,2\n");
+  const std::string columns =
+      "[columns]\ns = { quantity = \"t\", unit = \"s\" }\nx = { quantity = \"x\", unit = ";
+  const auto shared = files.put("shared.toml", columns + "\"m\" }\n");
+  const auto own = files.put("own.toml", "file = \"a.csv\"\n" + columns + "\"cm\" }\n");
+  CHECK(read_captures(table, shared)[0].channel("x").values[2] == 2.0);
+  CHECK(read_captures(own, shared)[0].channel("x").values[2] == 0.02);
+  CHECK(capture_files(own, shared) == capture_files(own));
+  CHECK(std::ranges::count(capture_files(table, shared), shared) == 1);
 }
 
 TEST_CASE("frame rates are read with and without a unit") {
