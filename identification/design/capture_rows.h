@@ -41,7 +41,7 @@ class NextCapture {
 
   /// @param coefficients SI
   /// @param release in the order of Experiment::coordinates, SI; an attitude of any length
-  /// @returns false if there is no trajectory to the end
+  /// @returns false where the trajectory does not reach the end, or an output or its derivative is not finite
   bool evaluate(const Eigen::VectorXd& coefficients, const std::vector<double>& release, CaptureRows& rows);
 
   long evaluations() const { return residual_.evaluations(); }

@@ -20,6 +20,7 @@
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/solve/join_weights.h"
 #include "samara/identification/solve/minimize.h"
+#include "samara/identification/solve/motion_terms.h"
 #include "samara/identification/solve/noise_levels.h"
 #include "samara/identification/solve/other_optima.h"
 #include "samara/identification/solve/starts/choose_start_states.h"
@@ -148,8 +149,11 @@ class Descents {
   MinimizeResult descend(int start, std::vector<SegmentResidual>& residuals) const {
     FitPoint point = start == 0 && first_ ? *first_ : first_point(start, residuals);
     if (!problem_.is_joined()) return in_rounds(std::move(point), residuals);
-    MinimizeResult result{.point = point, .message = "there is no trajectory at this start"};
-    if (!deviations_) return result;
+    if (!deviations_) {
+      evaluate_all(residuals, point);
+      return {.point = std::move(point), .message = failure_of(residuals)};
+    }
+    MinimizeResult result;
     int iterations = 0;
     for (const double stage : options_.segments.stages) {
       weigh_joins(stage, residuals);

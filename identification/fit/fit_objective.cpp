@@ -97,14 +97,14 @@ struct FitObjective::Impl {
                                     unknowns[static_cast<std::size_t>(bad - q.begin())].name, *bad));
   }
 
+  /// @returns whether all residuals are finite, whatever their derivatives are
   bool evaluate(const double* q, bool with_derivatives) {
-    std::vector<char> has_trajectory(segments.size(), 0);
     parallel_for(segments.size(), [&](std::size_t k) {
       const double* own = q + first_of(k);
       const double* next = segments[k].segment().joined ? q + first_of(k + 1) : nullptr;
-      has_trajectory[k] = segments[k].evaluate(q, own, next, with_derivatives);
+      segments[k].evaluate(q, own, next, with_derivatives);
     });
-    return std::ranges::all_of(has_trajectory, [](char one) { return one != 0; });
+    return std::ranges::all_of(segments, &SegmentResidual::has_residuals);
   }
 
   /// Calls row(residual, is_data, derivatives of it into a row of all unknowns) for one after the other.

@@ -58,8 +58,9 @@ class FitObjective {
   const Eigen::VectorXd& answer() const;
   Eigen::Index residual_count() const;
 
-  /// @param jacobian residuals x unknowns; null if not wanted
-  /// @returns false where there is no trajectory: then nothing that was written is to be used
+  /// @param jacobian residuals x unknowns, not finite where an output has no derivative; null if not wanted
+  /// @returns false where there is no trajectory or an output is not finite: then nothing that was written is to be
+  ///   used
   /// @throws ArgumentError if q, or an answer, has the wrong size, or q is not finite
   bool residuals(std::span<const double> q, Eigen::Ref<Eigen::VectorXd> values,
                  Eigen::MatrixXd* jacobian = nullptr) const;
@@ -67,8 +68,9 @@ class FitObjective {
   /// Logarithm of the density of posterior.h by q, but for a constant: the cost of the captures over the
   /// dispersion of their residuals at the answer, and the cost of priors and joins, both negative. Uniform in
   /// the box where nothing else is known (in the logarithm of what moves by factors), -infinity outside it and
-  /// where there is no trajectory. Of the four numbers of an attitude only the direction counts.
-  /// @param gradient by the unknowns; null if not wanted
+  /// where there is no trajectory or an output is not finite. Of the four numbers of an attitude only the direction
+  /// counts.
+  /// @param gradient by the unknowns, not finite where an output has no derivative; null if not wanted
   double log_posterior(std::span<const double> q, Eigen::VectorXd* gradient = nullptr) const;
 
   /// The evidence of the model by Laplace's method (D. MacKay, Information Theory, Inference, and Learning Algorithms,

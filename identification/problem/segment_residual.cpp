@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "samara/identification/problem/measurement.h"
 #include "samara/models/trajectories/averaged_source.h"
 #include "samara/models/trajectories/delayed_source.h"
@@ -78,15 +80,58 @@ bool SegmentResidual::evaluate(const double* shared, const double* own, const do
   family_point(*problem_, problem_->motion_of(*segment_), shared, own, q_);
   if (problem_->clock) q_[static_cast<Eigen::Index>(*problem_->clock)] = segment_->start;
   ++evaluations_;
+  is_finite_ = true;
   const std::span<const double> q(q_.data(), source_slots_);
-  if (!source_->evaluate(q, values_, with_derivatives ? &derivatives_ : nullptr)) return false;
+  has_trajectory_ =
+      static_cast<bool>(source_->evaluate(q, values_, with_derivatives ? &derivatives_ : nullptr));
+  if (!has_trajectory_) return false;
   if (problem_->camera) view_ = CameraView(*problem_->camera, own);
   compare(own);
   if (with_derivatives) fill_derivatives();
   compare_attitudes(with_derivatives);
   add_priors(own, with_derivatives);
   if (segment_->joined) join(own, next, with_derivatives);
-  return residual_.allFinite();
+  is_finite_ = has_residuals() && (!with_derivatives || are_slopes_finite(0, residual_.size()));
+  return is_finite_;
+}
+
+bool SegmentResidual::has_residuals() const {
+  return has_trajectory_ && residual_.allFinite();
+}
+
+bool SegmentResidual::are_slopes_finite(Eigen::Index row, Eigen::Index rows) const {
+  return by_shared_.middleRows(row, rows).allFinite() && by_own_.middleRows(row, rows).allFinite() &&
+         by_next_.middleRows(row, rows).allFinite();
+}
+
+std::string SegmentResidual::name_of_row(Eigen::Index row) const {
+  const std::string& capture = problem_->motion_of(*segment_).id;
+  const auto shown = [&](const std::string& what, int frame) {
+    const double time = segment_->start + segment_->times[static_cast<std::size_t>(frame)];
+    return fmt::format("{} at {:.6g} s of capture \"{}\"", what, time, capture);
+  };
+  auto k = static_cast<std::size_t>(row);
+  if (k < segment_->observations.size()) {
+    const Observation& seen = segment_->observations[k];
+    const ComparedOutput& output = problem_->outputs[static_cast<std::size_t>(seen.output)];
+    return shown(fmt::format("the output \"{}\"", output.name), seen.frame);
+  }
+  k = (k - segment_->observations.size()) / 3;
+  if (k < segment_->attitudes.size()) return shown("the turn to the attitude", segment_->attitudes[k].frame);
+  if (row < data_size_ + prior_size_) return fmt::format("a prior of capture \"{}\"", capture);
+  return shown("the end of a segment", static_cast<int>(frame_count_));
+}
+
+std::string SegmentResidual::failure() const {
+  if (!has_trajectory_) return "there is no trajectory";
+  if (is_finite_) return "";
+  for (Eigen::Index row = 0; row < residual_.size(); ++row) {
+    if (!std::isfinite(residual_[row])) return name_of_row(row) + " is not a finite number";
+  }
+  for (Eigen::Index row = 0; row < residual_.size(); ++row) {
+    if (!are_slopes_finite(row, 1)) return name_of_row(row) + " has a derivative that is not a finite number";
+  }
+  return "";
 }
 
 Eigen::Vector3d SegmentResidual::place(Eigen::Index frame) const {
@@ -343,6 +388,13 @@ std::vector<SegmentResidual> make_residuals(const models::TrajectoryFamily& fami
   for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
   for (std::size_t k = 0; k < like.size(); ++k) residuals[k].set_join_weights(like[k].join_weights());
   return residuals;
+}
+
+std::string failure_of(const std::vector<SegmentResidual>& residuals) {
+  for (const SegmentResidual& residual : residuals) {
+    if (std::string failure = residual.failure(); !failure.empty()) return failure;
+  }
+  return "";
 }
 
 long evaluations_of(const std::vector<SegmentResidual>& residuals) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,8 +25,13 @@ class SegmentResidual {
 
   /// @param shared, own values of the unknowns, in the order of the problem
   /// @param next own unknowns of the next segment, if this one is joined
-  /// @returns false if there is no trajectory there
+  /// @returns false if there is no trajectory there, or a residual or a derivative that is wanted is not finite: an
+  ///   output may be the root of a negative number
   bool evaluate(const double* shared, const double* own, const double* next, bool with_derivatives);
+  /// Whether all residuals are finite at the last point, whatever their derivatives are.
+  bool has_residuals() const;
+  /// Why evaluate() gave false, in half a sentence; empty where it gave true, and before.
+  std::string failure() const;
 
   const Segment& segment() const { return *segment_; }
   int size() const { return static_cast<int>(residual_.size()); }
@@ -85,6 +91,10 @@ class SegmentResidual {
   void fill_slot(Eigen::Index row, std::size_t slot, double derivative);
   /// Row of derivatives of requested output `column` at `frame`, times `factor`.
   void fill_row(Eigen::Index row, Eigen::Index frame, Eigen::Index column, double factor);
+  /// Whether all derivatives of some rows are finite.
+  bool are_slopes_finite(Eigen::Index row, Eigen::Index rows) const;
+  /// What a row compares, in words.
+  std::string name_of_row(Eigen::Index row) const;
 
   const FitProblem* problem_;
   const Segment* segment_;
@@ -103,12 +113,17 @@ class SegmentResidual {
   std::vector<int> axis_of_;  ///< of the camera, per compared output; -1: none
   std::vector<char> turns_;   ///< per compared output: an angle that turns with the camera
   long evaluations_ = 0;
+  bool has_trajectory_ = true;  ///< at the last point
+  bool is_finite_ = true;       ///< what was wanted there
 };
 
 /// One per segment of the problem.
 /// @param like residuals of the same segments whose weights at joins are taken over; none: they stay 1
 std::vector<SegmentResidual> make_residuals(const models::TrajectoryFamily& family, const FitProblem& problem,
                                             const std::vector<SegmentResidual>& like = {});
+
+/// The first failure() among them; empty if there is none.
+std::string failure_of(const std::vector<SegmentResidual>& residuals);
 
 /// Of all of them.
 long evaluations_of(const std::vector<SegmentResidual>& residuals);

@@ -32,24 +32,26 @@ void Unknowns::store(FitPoint& point) const {
   for (std::size_t c = 0; c < point.own.size(); ++c) point.own[c] = values_.segment(place(c), own_);
 }
 
-void Evaluation::PrepareForEvaluation(bool evaluate_jacobians, bool new_point) {
-  if (!new_point && (has_jacobians_ || !evaluate_jacobians)) return;
-  has_jacobians_ = evaluate_jacobians;
+void Evaluation::evaluate(bool with_derivatives) {
+  if (point_ == unknowns_.values() && (has_derivatives_ || !with_derivatives)) return;
+  point_ = unknowns_.values();
+  has_derivatives_ = with_derivatives;
   try {
     parallel_for(residuals_.size(), [&](std::size_t k) {
       const double* next = residuals_[k].segment().joined ? unknowns_.own(k + 1) : nullptr;
-      ok_[k] = residuals_[k].evaluate(unknowns_.shared(), unknowns_.own(k), next, evaluate_jacobians);
+      is_finite_[k] = residuals_[k].evaluate(unknowns_.shared(), unknowns_.own(k), next, with_derivatives);
     });
   } catch (...) {
     thrown_ = std::current_exception();
-    std::ranges::fill(ok_, 0);
+    point_.reset();
+    std::ranges::fill(is_finite_, 0);
   }
 }
 
-bool Evaluation::all_have_trajectories() {
-  PrepareForEvaluation(false, true);
+bool Evaluation::all_are_finite() {
+  evaluate(true);
   rethrow();
-  return std::ranges::all_of(ok_, [](char ok) { return ok != 0; });
+  return std::ranges::all_of(is_finite_, [](char one) { return one != 0; });
 }
 
 SegmentCost::SegmentCost(const FitProblem& problem, const SegmentResidual& residual,
@@ -71,7 +73,7 @@ void SegmentCost::add_block(int size, const Eigen::MatrixXd& derivatives) {
 }
 
 bool SegmentCost::Evaluate(double const* const* /*parameters*/, double* residuals, double** jacobians) const {
-  if (!evaluation_.has_trajectory(number_)) return false;
+  if (!evaluation_.is_finite_at(number_)) return false;
   for (Eigen::Index row = 0; row < residual_.size(); ++row) {
     const double r = residual_.residual()[row];
     double factor = root_weight_;

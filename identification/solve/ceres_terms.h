@@ -1,6 +1,8 @@
 #pragma once
 
 #include <exception>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,6 +23,7 @@ class Unknowns {
   double* shared() { return values_.data(); }
   double* own(std::size_t segment) { return values_.data() + place(segment); }
   void store(FitPoint& point) const;
+  const Eigen::VectorXd& values() const { return values_; }
 
  private:
   Eigen::Index place(std::size_t segment) const {
@@ -32,26 +35,38 @@ class Unknowns {
   Eigen::VectorXd values_;
 };
 
-/// All segments at one point, each by one thread at a time, before Ceres asks for them one by one.
+/// All segments at one point, each by one thread at a time, before Ceres asks for them one by one. What is known of the
+/// point already is not evaluated again.
 class Evaluation final : public ceres::EvaluationCallback {
  public:
   Evaluation(std::vector<SegmentResidual>& residuals, Unknowns& unknowns)
-      : residuals_(residuals), unknowns_(unknowns), ok_(residuals.size(), 0) {}
+      : residuals_(residuals), unknowns_(unknowns), is_finite_(residuals.size(), 0) {}
 
-  void PrepareForEvaluation(bool evaluate_jacobians, bool new_point) override;
+  void PrepareForEvaluation(bool evaluate_jacobians, bool /*new_point*/) override {
+    evaluate(evaluate_jacobians);
+  }
 
-  bool has_trajectory(std::size_t segment) const { return ok_[segment] != 0; }
-  bool all_have_trajectories();
+  /// Whether a segment has finite residuals at the last point, and derivatives if Ceres wanted them.
+  bool is_finite_at(std::size_t segment) const { return is_finite_[segment] != 0; }
+  /// Whether all segments have finite residuals and derivatives where the unknowns are now.
+  /// @throws what a source throws
+  bool all_are_finite();
+  /// What was not finite at the last point, as failure_of() says it.
+  std::string failure() const { return failure_of(residuals_); }
   /// What a source threw; not through Ceres.
   void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
   }
 
  private:
+  /// Where the unknowns are now.
+  void evaluate(bool with_derivatives);
+
   std::vector<SegmentResidual>& residuals_;
   Unknowns& unknowns_;
-  std::vector<char> ok_;
-  bool has_jacobians_ = false;
+  std::vector<char> is_finite_;
+  std::optional<Eigen::VectorXd> point_;  ///< the last one; none at first, and after a source threw
+  bool has_derivatives_ = false;          ///< of the last point
   std::exception_ptr thrown_;
 };
 

@@ -230,7 +230,7 @@ Outcome<Mode> find_mode(PosteriorDensity& density, const FitProblem& problem, co
   double before = std::numeric_limits<double>::infinity(), gain = before;
   for (int turn = 0; turn <= kMost; ++turn) {
     mode.value = density(mode.point, mode.slope);
-    if (!std::isfinite(mode.value)) return no_evidence("there is no trajectory at the answer");
+    if (!std::isfinite(mode.value)) return no_evidence("at the answer " + density.failure());
     mode.log_factor = likely_noise(problem.loss, density.data_cost(mode.point));
     density.set_dispersion(std::exp(2.0 * mode.log_factor));
     mode.value = density(mode.point, mode.slope);

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include <ceres/ceres.h>
@@ -151,6 +152,10 @@ class Descent {
     evaluation_.rethrow();
     result.status = status_of(summary);
     result.message = summary.message;
+    if (result.message.ends_with('.')) result.message.pop_back();
+    const std::string failure = evaluation_.failure();
+    if (result.status == Termination::failed && !failure.empty())
+      result.message += "; at the last point tried " + failure;
     result.cost = summary.final_cost;
     result.iterations += summary.num_successful_steps + summary.num_unsuccessful_steps;
   }
@@ -225,10 +230,8 @@ MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>&
   const double tolerance = precision == Precision::full ? kChange : kRoughChange;
   Unknowns unknowns(start, problem.shared_count(), problem.own_count());
   Evaluation evaluation(residuals, unknowns);
-  // Ceres would complain about a start without trajectories on stderr.
-  if (!evaluation.all_have_trajectories()) {
-    return {.point = std::move(start), .message = "there is no trajectory at this start"};
-  }
+  // Ceres would complain about such a start on stderr.
+  if (!evaluation.all_are_finite()) return {.point = std::move(start), .message = evaluation.failure()};
   Descent descent(problem, residuals, unknowns, evaluation);
   MinimizeResult result = descent.run(solver_options(problem, max_iterations, tolerance));
   result.point = std::move(start);

@@ -85,10 +85,9 @@ bool MotionDescent::follow(FitPoint& point, const Eigen::VectorXd& shared_step) 
   const double staying = cost_at(point);
   move(point, -(rest_ + response_ * shared_step));
   cost_ = cost_at(point);
-  if (!(cost_ < staying)) {
-    std::ranges::copy(before, point.own.begin() + static_cast<std::ptrdiff_t>(first()));
-    cost_ = staying;
-  }
+  if (cost_ < staying && linearise(point)) return true;
+  std::ranges::copy(before, point.own.begin() + static_cast<std::ptrdiff_t>(first()));
+  cost_ = staying;
   return cost_ < kInfinity && linearise(point);
 }
 
@@ -147,21 +146,20 @@ Eigen::VectorXd MotionDescent::taken(const std::vector<Eigen::VectorXd>& before,
 
 bool MotionDescent::step(FitPoint& point) {
   const std::vector<Eigen::VectorXd> before = own_of(point);
+  const Eigen::VectorXd slope = by_own_;
   const Eigen::VectorXd scale = damping_scale(own_.normal());
   while (damping_ < kMostDamping) {
     const Eigen::MatrixXd hessian = own_.hessian();
-    const auto wanted = damped_step(hessian, scale, by_own_, free_, damping_);
+    const auto wanted = damped_step(hessian, scale, slope, free_, damping_);
     if (wanted) {
       move(point, *wanted);
       const double reached = cost_at(point);
-      if (reached < cost_) {
-        const Eigen::VectorXd step = taken(before, point);
-        const double predicted = -(by_own_.dot(step) + 0.5 * step.dot(hessian * step));
+      if (reached < cost_ && linearise(point)) {
+        const Eigen::VectorXd way = taken(before, point);
+        const double predicted = -(slope.dot(way) + 0.5 * way.dot(hessian * way));
         damping_ = damping_after(damping_, predicted > 0.0 ? (cost_ - reached) / predicted : 1.0);
         cost_ = reached;
-        const Eigen::VectorXd slope = by_own_;
-        linearise(point);
-        own_.learn(step, by_own_ - slope);
+        own_.learn(way, by_own_ - slope);
         return true;
       }
       std::ranges::copy(before, point.own.begin() + static_cast<std::ptrdiff_t>(first()));

@@ -20,11 +20,11 @@ class MotionDescent {
   MotionDescent(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const Motion& motion)
       : problem_(&problem), residuals_(&residuals), motion_(&motion) {}
 
-  /// Cost at the point of all; infinite without a trajectory.
+  /// Cost at the point of all; infinite where a residual is not finite, as without a trajectory.
   double cost_at(const FitPoint& point) const;
 
   /// Slopes at the point.
-  /// @returns false without a trajectory
+  /// @returns false where a residual or a slope is not finite: then those of before are kept
   bool linearise(const FitPoint& point);
 
   void start_at(const FitPoint& point);
@@ -45,7 +45,7 @@ class MotionDescent {
 
   /// Own unknowns follow a step of the shared ones that `point` has taken already; where they better stay,
   /// they stay. After eliminate().
-  /// @returns false if there is no trajectory either way
+  /// @returns false if residuals and slopes are not finite either way
   bool follow(FitPoint& point, const Eigen::VectorXd& shared_step);
 
   double weight() const { return motion_->weight; }

@@ -42,7 +42,7 @@ Eigen::VectorXd influence_floor(const std::vector<models::FamilyCoordinate>& coo
                                 const std::vector<int>& free, double total_spread);
 
 /// All residuals at a point, with derivatives.
-/// @returns false if there is no trajectory for some segment
+/// @returns false where one or its derivative is not finite, as without a trajectory: failure_of() says which
 bool evaluate_all(std::vector<SegmentResidual>& residuals, const FitPoint& point);
 
 /// The equations of all segments of a motion, one below the other; own unknowns by the directions in which

@@ -76,6 +76,11 @@ double PosteriorDensity::operator()(const FitPoint& point, Eigen::VectorXd& slop
   return sum;
 }
 
+std::string PosteriorDensity::failure() const {
+  std::string failure = failure_of(residuals_);
+  return failure.empty() ? "the cost is not a finite number" : failure;
+}
+
 Eigen::MatrixXd PosteriorDensity::normal_matrix(const FitPoint& point, bool by_slope) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(layout_.all, layout_.all);
   const Eigen::MatrixXd moves = problem_.shared_chart.plus_jacobian(point.shared.data());

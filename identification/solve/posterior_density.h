@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,9 +46,11 @@ class PosteriorDensity {
   const std::vector<BoxedDirection>& boxed() const { return boxed_; }
   long evaluations() const { return evaluations_of(residuals_); }
 
-  /// -log of the density in the box; infinite where there is no trajectory.
+  /// -log of the density in the box; infinite where a residual or a slope is not finite, as without a trajectory.
   /// @param slope by directions
   double operator()(const FitPoint& point, Eigen::VectorXd& slope);
+  /// Why it is infinite at the last point, in half a sentence.
+  std::string failure() const;
 
   /// About the curvature of -log of the density at the last point, positive: residuals beyond the bend of the loss
   /// count as it weighs them, boxes and turns as uniform distributions.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "samara/base/parallel.h"
@@ -20,14 +21,17 @@ class SeparableDescent {
  public:
   SeparableDescent(const FitProblem& problem, std::vector<SegmentResidual>& residuals, FitPoint start,
                    double share)
-      : problem_(problem), point_(std::move(start)), share_(share) {
+      : problem_(problem), residuals_(residuals), point_(std::move(start)), share_(share) {
     for (const Motion& motion : problem.motions) motions_.emplace_back(problem, residuals, motion);
   }
 
   MinimizeResult run(int max_iterations) {
     each_motion([&](MotionDescent& motion) { motion.start_at(point_); });
-    if (!std::isfinite(total()))
-      return {.point = std::move(point_), .message = "there is no trajectory at this start"};
+    if (!std::isfinite(total())) {
+      const std::string failure = failure_of(residuals_);
+      return {.point = std::move(point_),
+              .message = failure.empty() ? "the cost is not a finite number" : failure};
+    }
     MinimizeResult result{.status = Termination::max_iterations};
     if (problem_.shared_chart.directions() > 0) {
       settle(kOwnSteps);
@@ -173,6 +177,7 @@ class SeparableDescent {
   }
 
   const FitProblem& problem_;
+  const std::vector<SegmentResidual>& residuals_;
   FitPoint point_;
   double share_;
   std::vector<MotionDescent> motions_;

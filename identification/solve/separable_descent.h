@@ -23,7 +23,7 @@ namespace samara::identification {
 /// Where nothing is left over, it ends at the limits of rounding.
 ///
 /// @param max_iterations steps of the shared unknowns; of own ones, if nothing is shared
-/// @returns failed without a trajectory of each residual at the start
+/// @returns failed where a residual or a slope is not finite at the start, as without a trajectory
 /// @throws what a trajectory source throws
 MinimizeResult minimize_separably(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
                                   FitPoint start, int max_iterations, double share);

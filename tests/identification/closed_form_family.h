@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -47,3 +48,15 @@ class ClosedFormFamily : public samara::models::TrajectoryFamily {
   samara::models::FamilyInfo info_;
   Motion motion_;
 };
+
+/// The root of v0 + k t: no number where that is negative, and without a derivative where it is zero.
+/// @param least_k, least_v0 where their boxes begin
+inline ClosedFormFamily roots(double least_k, double least_v0) {
+  return {{.model = "root",
+           .coordinates = {{"k", "1/s", false, least_k, least_k + 1.0}, {"v0", "1", true, least_v0, 2.0}},
+           .outputs = {{"x", "m"}}},
+          [](std::span<const double> q, double t, auto& values, auto* derivatives) {
+            values << std::sqrt(q[1] + q[0] * t);
+            if (derivatives) *derivatives << 0.5 * t / values[0], 0.5 / values[0];
+          }};
+}

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
 #include "synthetic.h"
@@ -128,4 +129,35 @@ TEST_CASE("a point outside the box has no density, and one of another size is re
   Eigen::VectorXd r(objective->residual_count());
   CHECK_THROWS_AS(objective->residuals(numbers(q.head(2)), r), samara::ArgumentError);
   CHECK_THROWS_AS(objective->residuals(numbers(objective->answer()), r.head(3)), samara::ArgumentError);
+}
+
+TEST_CASE("the density of a point is the same with its gradient, also where that is not finite") {
+  const ClosedFormFamily family = roots(0.5, 0.0);
+  const std::vector<double> times = even_times(5, 1.0);
+  Eigen::VectorXd x(5);
+  for (Eigen::Index k = 0; k < 5; ++k)
+    x[k] = std::sqrt(1.0 + times[static_cast<std::size_t>(k)]) + (k % 2 == 0 ? 0.01 : -0.01);
+  FitOptions options;
+  options.starts.count = 1;
+  std::shared_ptr<const FitObjective> objective;
+  fit(family, std::vector{make_capture("a", times, x)}, options, objective);
+  REQUIRE(objective);
+  REQUIRE(objective->unknowns()[1].name == "a: v0");
+  Eigen::VectorXd q = objective->answer(), gradient;
+  q[1] = 0.0;  // where the root begins at t = 0
+  const double value = objective->log_posterior(numbers(q));
+  CHECK(std::isfinite(value));
+  CHECK(objective->log_posterior(numbers(q), &gradient) == value);
+  CHECK_FALSE(gradient.allFinite());
+  Eigen::VectorXd r(objective->residual_count()), with_slopes = r;
+  Eigen::MatrixXd J;
+  REQUIRE(objective->residuals(numbers(q), r));
+  REQUIRE(objective->residuals(numbers(q), with_slopes, &J));
+  CHECK(with_slopes == r);
+  CHECK_FALSE(J.row(0).allFinite());
+  CHECK(J.bottomRows(4).allFinite());
+
+  q[0] = -1.0;  // a root of negative numbers
+  CHECK_FALSE(objective->residuals(numbers(q), r));
+  CHECK_FALSE(objective->residuals(numbers(q), r, &J));
 }

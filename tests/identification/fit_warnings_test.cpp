@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/models/laws/registry.h"
@@ -205,6 +206,27 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   CHECK(result.coefficients.empty());
   // What is wrong with the capture may be why.
   CHECK(text_of(result.warnings) == "capture \"a\": it has 5 frames");
+}
+
+TEST_CASE("starts at which an output or its derivative is no number say so, with output, time and capture") {
+  const std::vector captures = {make_capture("a", even_times(3, 1.0), Eigen::VectorXd::Ones(3))};
+  const std::string wrong = " of capture \"a\" is not a finite number";
+  const std::string steep =
+      "the output \"x\" at 0 s of capture \"a\" has a derivative that is not a finite number";
+  FitOptions held;
+  held.unknowns.fixed = {{"v0", 1.5}};
+  CHECK(fit(roots(-3.0, 0.0), captures, held).message ==
+        "none of 3 starts succeeded; the first: the output \"x\" at 1 s" + wrong);
+  CHECK(fit(roots(-3.0, 0.0), captures).message ==
+        "none of 3 starts succeeded; the first: the output \"x\" at 0.5 s" + wrong);
+  held.unknowns.fixed = {{"v0", 0.0}};
+  CHECK(fit(roots(2.0, 0.0), captures, held).message == "none of 3 starts succeeded; the first: " + steep);
+
+  SECTION("which does not keep other starts from succeeding") {
+    const FitResult result = fit(roots(2.0, -2.0), captures);
+    CHECK(result.is_usable());
+    CHECK(result.starts.front().message == steep);
+  }
 }
 
 TEST_CASE(

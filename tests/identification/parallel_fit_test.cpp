@@ -142,6 +142,7 @@ TEST_CASE("joins are weighed by the noise that was found, also where the first s
   const FitResult whole = fit(*plate.family, plate.captures, plate.options);
   const FitResult without_first = fit(FailingAt(*plate.family, 1.4321), plate.captures, plate.options);
   REQUIRE(without_first.starts.front().status == samara::Termination::failed);
+  CHECK(without_first.starts.front().message == "there is no trajectory");
   REQUIRE(without_first.status == samara::Termination::converged);
   CHECK_THAT(without_first.join_defect.value(), Catch::Matchers::WithinRel(whole.join_defect.value(), 0.1));
   for (std::size_t k = 0; k < whole.coefficients.size(); ++k)

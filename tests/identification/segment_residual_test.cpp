@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "samara/models/trajectories/step_trajectories.h"
+#include "spoilt_family.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
@@ -125,4 +127,81 @@ TEST_CASE("segments of equally spaced frames have the same times to the last bit
   for (const Segment& segment : problem.segments) same += segment.times == problem.segments[0].times ? 1 : 0;
   CHECK(same == 39);
   CHECK(problem.segments[20].times[1] - problem.segments[0].times[1] == Approx(1e-6).epsilon(1e-6));
+}
+
+TEST_CASE("what is no number in a residual is named") {
+  using Part = SpoiltFamily::Part;
+  const auto coin = coin_family();
+  const Eigen::VectorXd shared = Eigen::VectorXd::Constant(1, 1.3);
+  const Eigen::VectorXd own = Eigen::Vector2d(0.1, 0.05);            // v(0), offset of x
+  const std::vector captures = {coin_capture("a", 1.2, 0.1, 0.05)};  // frames every 1/60 s
+
+  SECTION("by output and time, of a value and of a derivative") {
+    const FitProblem problem = make_problem(coin->info(), captures, {});
+    const SpoiltFamily no_value(*coin, "x", 0.19, Part::values);
+    SegmentResidual residual(no_value, problem, problem.segments[0]);
+    CHECK(residual.failure().empty());
+    CHECK_FALSE(residual.evaluate(shared.data(), own.data(), nullptr, false));
+    CHECK(residual.failure() == "the output \"x\" at 0.2 s of capture \"a\" is not a finite number");
+    CHECK_FALSE(residual.has_residuals());
+    const SpoiltFamily no_slope(*coin, "x", 0.19, Part::derivatives);
+    SegmentResidual steep(no_slope, problem, problem.segments[0]);
+    CHECK_FALSE(steep.evaluate(shared.data(), own.data(), nullptr, true));
+    CHECK(steep.failure() ==
+          "the output \"x\" at 0.2 s of capture \"a\" has a derivative that is not a finite number");
+    CHECK(steep.has_residuals());
+    CHECK(steep.evaluate(shared.data(), own.data(), nullptr, false));
+    CHECK(steep.failure().empty());
+  }
+  SECTION("by the time of the capture, and where segments are joined") {
+    FitOptions options;
+    options.segments.length = 0.2;
+    const FitProblem problem = make_problem(coin->info(), captures, options);
+    REQUIRE(problem.segments.size() == 2);
+    const SpoiltFamily no_value(*coin, "x", 0.09, Part::values);
+    SegmentResidual second(no_value, problem, problem.segments[1]);
+    CHECK_FALSE(second.evaluate(shared.data(), own.data(), nullptr, false));
+    CHECK(second.failure() == "the output \"x\" at 0.3 s of capture \"a\" is not a finite number");
+    // Of a segment that is joined, the speed counts at its end alone.
+    const SpoiltFamily no_speed(*coin, "v", 0.0, Part::values);
+    SegmentResidual first(no_speed, problem, problem.segments[0]);
+    CHECK_FALSE(first.evaluate(shared.data(), own.data(), own.data(), false));
+    CHECK(first.failure() == "the end of a segment at 0.2 s of capture \"a\" is not a finite number");
+  }
+  SECTION("where it is a prior") {
+    FitOptions options;
+    options.unknowns.box = {{"v(0)", {0.01, 0.8}}};
+    options.priors.coordinates["v(0)"] = {.mean = 0.1, .deviation = 0.5, .logarithmic = true};
+    const FitProblem problem = make_problem(coin->info(), captures, options);
+    SegmentResidual residual(*coin, problem, problem.segments[0]);
+    CHECK_FALSE(residual.evaluate(shared.data(), Eigen::Vector2d(0.0, 0.05).eval().data(), nullptr, false));
+    CHECK(residual.failure() == "a prior of capture \"a\" is not a finite number");
+  }
+  SECTION("where it is an attitude") {
+    // A plate at rest, whose place was not seen in the second frame.
+    std::map<std::string, samara::models::Interval> box = {{"C_D90", {0.5, 2.0}}};
+    const auto body = step_trajectories(samara::models::find_model("immersed_body"),
+                                        {{"a", 0.05},
+                                         {"b", 0.03},
+                                         {"c", 0.001},
+                                         {"density", 200.0},
+                                         {"C_D0", 0.1},
+                                         {"C_T", 1.0},
+                                         {"C_R", 1.0},
+                                         {"C_w", 1.0}},
+                                        box, 2e-3);
+    Capture capture = make_capture("plate", even_times(4, 0.03), Eigen::Vector4d::Zero());
+    for (const char* name : {"y", "z"}) capture.channels.push_back({name, "m", Eigen::Vector4d::Zero()});
+    capture.channels.push_back({"qw", "1", Eigen::Vector4d::Ones()});
+    for (const char* name : {"qx", "qy", "qz"})
+      capture.channels.push_back({name, "1", Eigen::Vector4d::Zero()});
+    for (int k = 0; k < 3; ++k) capture.channels[static_cast<std::size_t>(k)].values[1] = std::nan("");
+    const FitProblem problem = make_problem(body->info(), std::vector{capture}, {});
+    const Eigen::VectorXd offsets = Eigen::VectorXd::Zero(problem.own_count());
+    const SpoiltFamily no_value(*body, "qx", 0.015, Part::values);
+    SegmentResidual residual(no_value, problem, problem.segments[0]);
+    CHECK_FALSE(residual.evaluate(shared.data(), offsets.data(), nullptr, false));
+    CHECK(residual.failure() ==
+          "the turn to the attitude at 0.02 s of capture \"plate\" is not a finite number");
+  }
 }

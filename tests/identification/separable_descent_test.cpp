@@ -2,8 +2,13 @@
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/solve/minimize.h"
 #include "samara/identification/solve/secant_model.h"
+#include "samara/identification/solve/starts/choose_start_states.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
@@ -116,4 +121,60 @@ TEST_CASE("what a model of the Hessian learned is true along the last step, and 
   const Eigen::Vector3d step = Eigen::Vector3d::UnitX();
   model.learn(step, 3.0 * gauss_newton * step);
   CHECK_FALSE(model.has_learned());
+}
+
+namespace {
+
+/// Half of sqrt(t) was measured of sqrt(v0 + t): the less v0, the better, and at 0 the slope at t = 0 is infinite.
+struct EdgeOfRoot {
+  ClosedFormFamily family = roots(0.5, 0.0);
+  FitProblem problem;
+
+  EdgeOfRoot() {
+    const std::vector<double> times = even_times(6, 1.0);
+    Eigen::VectorXd x(6);
+    for (Eigen::Index k = 0; k < 6; ++k) x[k] = 0.5 * std::sqrt(times[static_cast<std::size_t>(k)]);
+    FitOptions options;
+    options.loss = {.kind = LossKind::none, .scales = {{"x", 0.1}}};
+    options.unknowns.fixed = {{"k", 1.0}};
+    problem = make_problem(family.info(), std::vector{make_capture("a", times, x)}, options);
+  }
+
+  /// 1/2 sum ((sqrt(v0 + t) - sqrt(t)/2)/0.1)^2
+  static double cost(double v0) {
+    double sum = 0.0;
+    for (const double t : even_times(6, 1.0)) sum += std::pow(std::sqrt(v0 + t) - 0.5 * std::sqrt(t), 2);
+    return 50.0 * sum;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a step to where the cost is lower but a slope infinite is shortened") {
+  EdgeOfRoot of;
+  std::vector<SegmentResidual> residuals = make_residuals(of.family, of.problem);
+  const Eigen::VectorXd start = Eigen::VectorXd::Ones(1);
+  const auto has_slopes = [&](const Eigen::VectorXd& own) {
+    return residuals[0].evaluate(nullptr, own.data(), nullptr, true);
+  };
+  REQUIRE_FALSE(has_slopes(Eigen::VectorXd::Zero(1)));
+  REQUIRE(residuals[0].evaluate(nullptr, Eigen::VectorXd::Zero(1).eval().data(), nullptr, false));
+
+  SECTION("by a descent") {
+    const MinimizeResult result =
+        minimize(of.problem, residuals, {.shared = Eigen::VectorXd(0), .own = {start}}, 100);
+    INFO(result.point.own[0]);
+    CHECK(result.status == samara::Termination::converged);
+    CHECK(has_slopes(result.point.own[0]));
+    CHECK(result.cost == Approx(EdgeOfRoot::cost(result.point.own[0][0])));
+    CHECK(result.cost < EdgeOfRoot::cost(0.01));
+  }
+  SECTION("by what chooses start states") {
+    Eigen::VectorXd own = start;
+    const double cost = minimize_own(of.problem, residuals[0], Eigen::VectorXd(), own, 6, 20);
+    INFO(own);
+    CHECK(has_slopes(own));
+    CHECK(cost == Approx(EdgeOfRoot::cost(own[0])));
+    CHECK(cost < EdgeOfRoot::cost(0.01));
+  }
 }

@@ -14,6 +14,7 @@
 #include "samara/models/laws/ambient_flow.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/step_trajectories.h"
+#include "spoilt_family.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
@@ -380,4 +381,24 @@ TEST_CASE("attitudes of a codebook are compared as turns") {
   SegmentResidual residual(*family, problem, problem.segments.at(0));
   REQUIRE(residual.evaluate(centre(problem).data(), nullptr, nullptr, false));
   CHECK(residual.residual().norm() < 1e-12);
+}
+
+TEST_CASE("a joined fit to what is no number fails, and says where") {
+  const std::vector captures = {coin_capture("a", 1.2, 0.1, 0.0)};
+  FitOptions options = in_segments(0.15);
+  options.starts.count = 2;
+  const auto coin = coin_family();
+  const auto message = [&](const std::string& output, double from, SpoiltFamily::Part part) {
+    const FitResult result = fit(SpoiltFamily(*coin, output, from, part), captures, options);
+    CHECK(result.status == samara::Termination::failed);
+    return result.message;
+  };
+  CHECK(message("x", 0.04, SpoiltFamily::Part::values) ==
+        "none of 2 starts succeeded; the first: the output \"x\" at 0.05 s of capture \"a\" is not a finite "
+        "number");
+  CHECK(message("x", 0.04, SpoiltFamily::Part::derivatives) ==
+        "none of 2 starts succeeded; the first: the output \"x\" at 0.05 s of capture \"a\" has a derivative "
+        "that is not a finite number");
+  CHECK_THAT(message("v", 0.0, SpoiltFamily::Part::values),
+             Contains("the first: the end of a segment at 0.1") && Contains("s of capture \"a\""));
 }

@@ -74,7 +74,8 @@ class OwnProblem {
         next_(own),
         rows_(rows_of(residual, frames)) {}
 
-  /// 1/2 sum rho, infinite where there is no trajectory; slopes are filled for gradient and normal.
+  /// 1/2 sum rho, infinite where a residual, or a slope that is wanted, is not finite; slopes are filled for gradient
+  /// and normal.
   double evaluate(const Eigen::VectorXd& own, bool with_derivatives) {
     const double* next = residual_.segment().joined ? next_.data() : nullptr;
     if (!residual_.evaluate(shared_.data(), own.data(), next, with_derivatives)) return kInfinity;
@@ -180,7 +181,6 @@ double minimize_own(const FitProblem& problem, SegmentResidual& residual, const 
   Eigen::MatrixXd normal;
   Eigen::VectorXd gradient;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    if (iteration > 0) segment.evaluate(own, true);
     segment.linearise(own, normal, gradient);
     const Eigen::VectorXd diagonal = normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff());
     const double before = cost;
@@ -188,7 +188,7 @@ double minimize_own(const FitProblem& problem, SegmentResidual& residual, const 
       normal.diagonal() = diagonal * (1.0 + damping);
       segment.move(own, -normal.ldlt().solve(gradient), trial);
       const double reached = segment.evaluate(trial, false);
-      if (!(reached < before)) continue;
+      if (!(reached < before) || segment.evaluate(trial, true) == kInfinity) continue;
       cost = reached;
       own = trial;
     }

@@ -24,7 +24,8 @@ void choose_start_states(const models::ParametricModel& equations, const FitProb
 /// The own unknowns of one segment alone, the shared ones held and joins ignored, by Levenberg and Marquardt.
 /// @param own from where; where it ended afterwards
 /// @param frames only the first so many are compared
-/// @returns 1/2 sum rho; infinite if there is no trajectory at the start
+/// @returns 1/2 sum rho; infinite where a residual or a slope is not finite at the start, as without a trajectory: it
+///   ends where they are
 double minimize_own(const FitProblem& problem, SegmentResidual& residual, const Eigen::VectorXd& shared,
                     Eigen::VectorXd& own, int frames, int max_iterations);
 
