@@ -65,6 +65,17 @@ id::ComparisonRequest request_of(const CompareArguments& arguments) {
   return request;
 }
 
+/// Why there is no table.
+std::string nothing_common(const id::ModelComparison& comparison) {
+  std::string text = "no forecast is common to all models";
+  std::string lacks;
+  for (const id::ComparedModel& model : comparison.models) {
+    if (!model.no_forecast.empty()) lacks += fmt::format("; of \"{}\": {}", model.name, model.no_forecast);
+  }
+  if (lacks.empty()) lacks = ", which make theirs of different captures, quantities or times ahead";
+  return text + lacks;
+}
+
 int run_compare(const CompareArguments& arguments) {
   // Ceres reports through glog, which would print its own lines.
   FLAGS_minloglevel = google::GLOG_FATAL;
@@ -81,7 +92,7 @@ int run_compare(const CompareArguments& arguments) {
   print(arguments.json ? id::comparison_json(comparison)
                        : wrapped_prose(printable(id::comparison_text(comparison), "\n")));
   if (!comparison.quantities.empty()) return kDone;
-  complain("no forecast is common to all models");
+  complain(nothing_common(comparison));
   return kToleranceMissed;
 }
 

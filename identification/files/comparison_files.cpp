@@ -177,10 +177,12 @@ ModelComparison compare_files(const ComparisonRequest& request) {
     tell(one.model.name, of_file(one.config, [&] { return add_evidence(one); }));
     Warnings warnings;
     const Folds folds = folds_of(request, one);
-    forecasts.push_back({one.model.name, of_file(one.config, [&] {
-                           return cross_validated_errors(*one.source.family, one.captures, one.source.options,
-                                                         one.prediction, folds, warnings);
-                         })});
+    ForecastErrors made = of_file(one.config, [&] {
+      return cross_validated_errors(*one.source.family, one.captures, one.source.options, one.prediction,
+                                    folds, warnings);
+    });
+    forecasts.push_back({one.model.name, std::move(made.errors)});
+    one.model.no_forecast = std::move(made.lack);
     tell(one.model.name, warnings);
     comparison.models.push_back(one.model);
     comparison.folds = std::max(comparison.folds, folds.count);

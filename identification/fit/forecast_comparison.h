@@ -89,6 +89,7 @@ struct ComparedModel {
   /// Of all captures together, by Laplace's method (fit_objective.h).
   std::optional<Evidence> evidence = {};
   std::string no_evidence = {};  ///< why there is none, in one sentence
+  std::string no_forecast = {};  ///< why it made none, in one sentence; empty: it made some
 };
 
 /// The logarithm of a model's evidence less that of the first; nothing where one has none, or they are not of the

@@ -55,9 +55,13 @@ Json json_of(std::span<const ComparedModel> models, std::size_t k) {
                 {"unknowns", m.evidence->unknowns},
                 {"noise_factor", m.evidence->noise_factor}};
   }
-  return {{"name", m.name},       {"source", m.source},
-          {"model", m.model},     {"coefficients", m.coefficients},
-          {"evidence", evidence}, {"no_evidence", m.no_evidence}};
+  return {{"name", m.name},
+          {"source", m.source},
+          {"model", m.model},
+          {"coefficients", m.coefficients},
+          {"evidence", evidence},
+          {"no_evidence", m.no_evidence},
+          {"no_forecast", m.no_forecast}};
 }
 
 /// What the captures say of the models as a whole.

@@ -147,12 +147,9 @@ void add_capture_predictions(const models::TrajectoryFamily& family, std::span<c
   }
   if (predictions.empty()) {
     if (!left_out.empty()) sentences.emplace_back("none of the captures left out could be predicted");
-  } else if (const double reach = reach_of(predictions, prediction); reach < prediction.ahead) {
-    const bool is_cut = std::ranges::any_of(predictions, &CapturePrediction::is_cut);
-    sentences.push_back(fmt::format("predictions go to {:.4g} s ahead, not to {:.4g} s: {}", reach,
-                                    prediction.ahead,
-                                    is_cut ? fmt::format("the {} ends there", family.info().source)
-                                           : "there is no frame to compare beyond"));
+  } else if (std::string sentence = shortfall(predictions, family.info().source, prediction);
+             !sentence.empty()) {
+    sentences.push_back(std::move(sentence));
   }
 }
 
@@ -290,6 +287,16 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
   });
   std::erase_if(outcome.along, [](const CapturePrediction& one) { return !one.lack.empty(); });
   return outcome;
+}
+
+std::string shortfall(const std::vector<CapturePrediction>& predictions, const std::string& source,
+                      const PredictionOptions& prediction) {
+  const double reach = reach_of(predictions, prediction);
+  if (!(reach < prediction.ahead)) return {};
+  const bool is_cut = std::ranges::any_of(predictions, &CapturePrediction::is_cut);
+  return fmt::format(
+      "predictions go to {:.4g} s ahead, not to {:.4g} s: {}", reach, prediction.ahead,
+      is_cut ? fmt::format("the {} ends there", source) : "there is no frame to compare beyond");
 }
 
 void add_sentences(PredictedCaptures& outcome, Warnings& warnings) {

@@ -50,6 +50,11 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
                              std::span<const Capture> left_out, const FitOptions& options,
                              const PredictionOptions& prediction, bool wants_along = false);
 
+/// Where predictions end before what was asked for, in one sentence; empty: they do not.
+/// @param source of trajectories, such as "codebook"
+std::string shortfall(const std::vector<CapturePrediction>& predictions, const std::string& source,
+                      const PredictionOptions& prediction);
+
 /// What the reader must know of those that were predicted, and of those that were not.
 void add_sentences(PredictedCaptures& outcome, Warnings& warnings);
 

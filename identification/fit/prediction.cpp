@@ -165,15 +165,38 @@ void cross_validate(const models::TrajectoryFamily& family, std::span<const Capt
   add_scores(std::move(outcome), prediction, fitted);
 }
 
-std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily& family,
-                                                  std::span<const Capture> captures,
-                                                  const FitOptions& options,
-                                                  const PredictionOptions& prediction, const Folds& folds,
-                                                  Warnings& warnings) {
+namespace {
+
+/// Why no forecast of the model reaches the end of what is to be predicted; empty: some do.
+std::string lack_of(const PredictedCaptures& outcome, const std::string& source,
+                    const PredictionOptions& prediction) {
+  const std::vector<CapturePrediction>& predictions = outcome.predictions;
+  const auto reaches = [&](const CapturePrediction& one) { return reaches_end(one, prediction); };
+  const auto is_forecast = [&](const CapturePrediction& one) { return reaches(one) && one.failure.empty(); };
+  if (std::ranges::any_of(predictions, is_forecast)) return {};
+  if (predictions.empty()) {
+    return outcome.lacks.empty() ? "its fits failed"
+                                 : fmt::format("no capture was predicted: {}", outcome.lacks.front().first);
+  }
+  if (const std::string sentence = shortfall(predictions, source, prediction); !sentence.empty())
+    return fmt::format("{}; an `ahead` of at most {:.4g} s was expected", sentence,
+                       reach_of(predictions, prediction));
+  return fmt::format("it failed on every capture that reaches {:.4g} s ahead: {}", prediction.ahead,
+                     std::ranges::find_if(predictions, reaches)->failure);
+}
+
+}  // namespace
+
+ForecastErrors cross_validated_errors(const models::TrajectoryFamily& family,
+                                      std::span<const Capture> captures, const FitOptions& options,
+                                      const PredictionOptions& prediction, const Folds& folds,
+                                      Warnings& warnings) {
   check_folds(family, captures, options, prediction, folds);
   PredictedCaptures outcome = predict_by_folds(family, captures, options, prediction, folds, &warnings);
+  ForecastErrors found = {.errors = {}, .lack = lack_of(outcome, family.info().source, prediction)};
   add_sentences(outcome, warnings);
-  return forecast_errors(outcome.compared, std::move(outcome.predictions), prediction);
+  found.errors = forecast_errors(outcome.compared, std::move(outcome.predictions), prediction);
+  return found;
 }
 
 }  // namespace samara::identification

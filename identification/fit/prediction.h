@@ -104,15 +104,19 @@ struct ForecastError {
   double crps = std::numeric_limits<double>::quiet_NaN();
 };
 
+struct ForecastErrors {
+  std::vector<ForecastError> errors = {};
+  std::string lack = {};  ///< why none is of the model, in one sentence; empty: some are
+};
+
 /// The same forecast by forecast: those that reach the end of what is to be predicted, the model's where it did not
 /// fail.
 /// @param warnings sentences as cross_validate() adds them
 /// @throws as cross_validate()
-std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily& family,
-                                                  std::span<const Capture> captures,
-                                                  const FitOptions& options,
-                                                  const PredictionOptions& prediction, const Folds& folds,
-                                                  Warnings& warnings);
+ForecastErrors cross_validated_errors(const models::TrajectoryFamily& family,
+                                      std::span<const Capture> captures, const FitOptions& options,
+                                      const PredictionOptions& prediction, const Folds& folds,
+                                      Warnings& warnings);
 
 /// What cross_validate() would refuse after a fit of `captures`, refused before it.
 /// @throws ArgumentError

@@ -159,12 +159,6 @@ class Tallies {
   std::vector<PredictionTally> all_, last_;  ///< quantities x predictors
 };
 
-/// Only where the last frame lies near the end of the way does its distance count as one there.
-bool reaches_end(const CapturePrediction& one, const PredictionOptions& prediction) {
-  const double end = prediction.span + prediction.ahead;
-  return one.times[one.times.size() - 1] >= end - kAtEnd * prediction.ahead;
-}
-
 /// What repeats goes on where it was seen to jump: baselines are polynomials.
 void unwrap(const std::vector<Quantity>& compared, SeenMotion& seen) {
   for (const Quantity& q : compared) {
@@ -312,11 +306,18 @@ std::vector<Quantity> quantities(const models::TrajectoryFamily& family, const P
   return result;
 }
 
+bool reaches_end(const CapturePrediction& one, const PredictionOptions& prediction) {
+  const double end = prediction.span + prediction.ahead;
+  return one.times[one.times.size() - 1] >= end - kAtEnd * prediction.ahead;
+}
+
 double reach_of(const std::vector<CapturePrediction>& predictions, const PredictionOptions& prediction) {
   double reach = 0.0;
-  for (const CapturePrediction& one : predictions)
+  for (const CapturePrediction& one : predictions) {
+    if (reaches_end(one, prediction)) return prediction.ahead;
     reach = std::max(reach, one.times[one.times.size() - 1] - prediction.span);
-  return reach >= (1.0 - kAtEnd) * prediction.ahead ? prediction.ahead : reach;
+  }
+  return reach;
 }
 
 Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePrediction> predictions,

@@ -19,7 +19,10 @@ std::vector<Quantity> quantities(const models::TrajectoryFamily& family, const P
 /// the mass that it displaces) where both are held, else all of g. Mass that the fluid adds is not counted.
 double net_weight(const models::TrajectoryFamily& family, const FitOptions& held);
 
-/// s beyond the span, of the last frame of all.
+/// Whether the last frame lies near the end of the way, so that its distance counts as one there.
+bool reaches_end(const CapturePrediction& one, const PredictionOptions& prediction);
+
+/// s beyond the span, of the last frame of all; all of the way where one reaches its end.
 double reach_of(const std::vector<CapturePrediction>& predictions, const PredictionOptions& prediction);
 
 /// Scores of all captures together, and of each.

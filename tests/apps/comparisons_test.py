@@ -7,7 +7,7 @@ import csv
 import json
 import re
 
-from samara_case import FOLDER, Case, main, run, write
+from samara_case import FOLDER, Case, book, main, run, write
 
 HELD = '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n{}'
 FREE = '[box]\n{}"v(0)" = [-0.2, 0.5]\n[prediction]\nspan = "0.2 s"\nahead = "0.12 s"\n'
@@ -101,6 +101,39 @@ class Comparisons(Case):
         table = run("compare", mixed, wrong, "--model", "vertical_fall", "--left-out", self.drops, "--by", "drop").stdout
         self.assertRegex(table.split("\ncrps ")[1], r"\n  wrong_spans +- +- +- *\n")
         self.assertNotIn("nan", table)
+
+    def test_without_a_common_forecast_it_is_said_which_source_ends_where(self):
+        short = book("short", 'model = "vertical_fall"\n' + HELD.format("") + '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [-0.2, 0.5]\n'
+                     '[time]\nend = "0.3 s"\n[tolerance]\nrelative = 1e-3\n')
+        config = write("of_short.toml", HEAD + 'span = "0.25 s"\n[prediction]\nspan = "0.2 s"\nahead = "0.12 s"\n')
+        rest = ["--left-out", self.drops, "--by", "drop", "--folds", "2"]
+
+        def last_line(*arguments):
+            result = run("compare", *arguments, *rest)
+            self.assertEqual(result.returncode, 4, result.stderr)
+            return result.stderr.strip().splitlines()[-1]
+        line = last_line(config, "--model", short)
+        self.assertIn('samara: no forecast is common to all models; of "of_short": predictions go to 0.1 s ahead, not to 0.12 s: the codebook ends there; '
+                      "an `ahead` of at most 0.1 s was expected", line)
+        self.assertEqual(run("compare", config, "--model", short, *rest, "--ahead", "0.1 s").returncode, 0)
+        line = last_line(config, self.right, "--model", short, "vertical_fall")
+        self.assertIn('of "of_short": predictions go to 0.1 s ahead', line)
+        self.assertNotIn('of "right"', line)
+        target = FOLDER / "none.json"
+        result = run("compare", config, self.right, "--model", short, "vertical_fall", *rest, "--json", "-o", target)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        for answer in json.loads(result.stdout), json.loads(target.read_text()):
+            self.check_schema(answer)
+            of_short, of_right = (model["no_forecast"] for model in answer["models"])
+            self.assertTrue(of_short.startswith("predictions go to 0.1 s ahead, not to 0.12 s"), of_short)
+            self.assertEqual(of_right, "")
+        line = last_line(self.right, "--model", "vertical_fall", "--ahead", "1")
+        self.assertIn("predictions go to 0.15 s ahead, not to 1 s: there is no frame to compare beyond; an `ahead` of at most 0.15 s was expected", line)
+        line = last_line(config, "--model", short, "--span", "0.31")
+        self.assertIn('of "of_short": no capture was predicted: the codebook ends at 0.3 s', line)
+        nearer = write("nearer.toml", self.right.read_text().replace("0.12 s", "0.07 s"))
+        line = last_line(self.right, nearer, "--model", "vertical_fall")
+        self.assertIn("no forecast is common to all models, which make theirs of different captures, quantities or times ahead", line)
 
     def test_what_cannot_be_compared_is_refused_in_a_sentence(self):
         def refused(code, sentence, *arguments):

@@ -165,6 +165,52 @@ TEST_CASE("each fold is predicted by a fit of the others") {
                     Catch::Matchers::Contains("1 cluster"));
 }
 
+TEST_CASE("a model that fails on all captures that go far enough makes no forecast, and it is said why") {
+  struct Fading final : samara::models::TrajectoryFamily {
+    BrakedFamily whole;
+    double end = 0.0;  // s
+    const samara::models::FamilyInfo& info() const override { return whole.info(); }
+    std::unique_ptr<samara::models::TrajectorySource> at(
+        const std::vector<double>& times, const std::vector<std::string>& outputs) const override {
+      struct None final : samara::models::TrajectorySource {
+        samara::models::TrajectoryOutcome evaluate(std::span<const double>, Eigen::MatrixXd&,
+                                                   Eigen::MatrixXd*) override {
+          return {samara::models::TrajectoryStatus::not_integrated, "none here"};
+        }
+      };
+      if (times.back() > end) return std::make_unique<None>();
+      return whole.at(times, outputs);
+    }
+  };
+  std::vector<Capture> captures = braked(0, 4, 1e-4);
+  captures[3].times = captures[3].times.head(17).eval();  // to 0.8 s
+  captures[3].channels[0].values = captures[3].channels[0].values.head(17).eval();
+  FitOptions options = plain();
+  options.compared.span = 0.6;
+  const auto lack = [&](double end, double ahead) {
+    Fading family;
+    family.end = end;
+    Warnings warnings;
+    const ForecastErrors made = cross_validated_errors(family, captures, options,
+                                                       {.span = 0.6, .ahead = ahead}, {.count = 2}, warnings);
+    const bool is_any = std::ranges::any_of(made.errors, [](const ForecastError& e) {
+      return e.predictor == "model" && std::isfinite(e.distance);
+    });
+    CHECK(is_any == made.lack.empty());
+    return made.lack;
+  };
+  CHECK(lack(2.0, 0.5).empty());
+  CHECK(lack(0.9, 0.15).empty());
+  // The capture that ends at 0.8 s is predicted, but not so far.
+  CHECK(lack(0.9, 0.5) ==
+        "it failed on every capture that reaches 0.5 s ahead: there is no trajectory beyond the span");
+  CHECK(
+      lack(2.0, 5.0) ==
+      "predictions go to 0.9 s ahead, not to 5 s: there is no frame to compare beyond; an `ahead` of at most "
+      "0.9 s was expected");
+  CHECK(lack(0.5, 0.5) == "its fits failed");
+}
+
 TEST_CASE("folds keep clusters together, and a seed draws them") {
   const BrakedFamily family;
   std::vector<Capture> captures = braked(0, 8, 1e-4);
