@@ -29,7 +29,8 @@ ModelInWind model_in_wind(const std::string& file, std::uint64_t seed,
     throw InputError(
         file, "has turbulence of the kind \"seen\", which is along paths: --realisations was expected");
   return {.model = models::immersed_body_in(models::wind::wind_flow(wind.wind, body.length, seed, 0)),
-          .shortest_gust = shortest_gust(wind.wind)};
+          .shortest_gust = shortest_gust(wind.wind),
+          .has_turbulence = wind.wind.turbulence.has_value()};
 }
 
 double shortest_gust(const models::wind::Wind& wind) {

@@ -16,6 +16,7 @@ namespace samara::apps {
 struct ModelInWind {
   std::shared_ptr<const models::Model> model;
   double shortest_gust = std::numeric_limits<double>::infinity();  ///< as shortest_gust() says
+  bool has_turbulence = false;                                     ///< which a seed draws
 };
 
 /// The immersed body in the first realisation of a wind. @param values of parameters and initial values, SI

@@ -240,7 +240,7 @@ std::string describe(const Codebook& book, const std::string& path) {
 }
 
 int run_info(const InfoArguments& arguments) {
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
+  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.book});
   if (flow::is_flow_file(arguments.book)) {
     if (arguments.plan)
       throw ArgumentError(fmt::format("--plan is of codebooks, and {} is a flow", arguments.book));

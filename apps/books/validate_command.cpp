@@ -71,7 +71,7 @@ void check_plan(const codebooks::Codebook& book, const ValidateArguments& argume
 }
 
 int run_validate(const ValidateArguments& arguments) {
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.plan});
+  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.book, arguments.plan});
   const codebooks::Codebook book = codebooks::load(arguments.book);
   check_plan(book, arguments);
   codebooks::CertifyOptions options;

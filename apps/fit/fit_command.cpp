@@ -88,7 +88,7 @@ std::vector<std::string> petab_files(const FitArguments& arguments) {
 void check_outputs(const FitArguments& arguments, const id::FitRequest& request) {
   std::vector<std::string> inputs;
   for (const std::filesystem::path& file : id::files_read(request)) inputs.push_back(file.string());
-  if (!arguments.output.empty()) check_output(arguments.output, inputs);
+  if (!arguments.output.empty()) check_text_output(arguments.output, inputs);
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
   if (!arguments.series.empty()) check_file_output(arguments.series, inputs);
   const auto is_problem = [](const std::string& file) {

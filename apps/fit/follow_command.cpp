@@ -92,7 +92,7 @@ void check_files(const FollowArguments& arguments) {
   tracks.push_back(arguments.track);
   std::vector<std::string> inputs = files_of_captures(tracks, arguments.sidecar);
   inputs.insert(inputs.end(), {arguments.source, arguments.fit, arguments.config});
-  check_output(arguments.output, inputs);
+  check_text_output(arguments.output, inputs);
 }
 
 int run_follow(const FollowArguments& arguments) {

@@ -207,7 +207,7 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
 }
 
 int animate(const SimulateArguments& arguments, const models::ParametricModel& parametric,
-            const models::TrajectoryFamily& family, double end) {
+            const models::TrajectoryFamily& family, const ModelInWind& flown, double end) {
   if (arguments.forces) throw ArgumentError("a .glb or .usda holds a motion: no --forces was expected");
   if (arguments.cloud.json) throw ArgumentError("a .glb or .usda holds a motion: no --json was expected");
   Animation animation{
@@ -222,16 +222,17 @@ int animate(const SimulateArguments& arguments, const models::ParametricModel& p
   if (!arguments.coefficients.empty()) animation.notes.emplace_back("coefficients", arguments.coefficients);
   if (!arguments.wind.empty()) {
     animation.notes.emplace_back("wind", arguments.wind);
-    animation.notes.emplace_back("seed", std::to_string(seed_of(arguments.cloud)));
+    if (flown.has_turbulence) animation.notes.emplace_back("seed", std::to_string(seed_of(arguments.cloud)));
   }
   return write_animation(arguments.output, animation);
 }
 
 int run_simulate(const SimulateArguments& arguments) {
   check_cloud_words(arguments);
-  if (!arguments.output.empty())
-    check_output(arguments.output,
-                 {arguments.model, arguments.coefficients, arguments.wind, arguments.body.body});
+  if (!arguments.output.empty()) {
+    const auto check = arguments.cloud.realisations.empty() ? check_text_or_scene_output : check_output;
+    check(arguments.output, {arguments.model, arguments.coefficients, arguments.wind, arguments.body.body});
+  }
   if (arguments.cloud.realisations.empty())
     io::check_scene_name(arguments.output);  // clouds name more endings
   const auto still = codebooks::open_model(arguments.model);
@@ -248,6 +249,11 @@ int run_simulate(const SimulateArguments& arguments) {
   const ModelInWind flown = in_one_wind
                                 ? model_in_wind(arguments.wind, seed_of(arguments.cloud), still, values)
                                 : ModelInWind{.model = still};
+  if (in_one_wind && !flown.has_turbulence && !arguments.cloud.seed.empty()) {
+    throw ArgumentError(fmt::format(
+        "--seed draws turbulence, and {} holds none: [turbulence] was expected there, or no --seed",
+        arguments.wind));
+  }
   const auto& model = flown.model;
   ModelWithSeries steered{.book = nullptr, .model = model, .values = std::move(values)};
   if (!arguments.coefficients.empty()) {
@@ -264,7 +270,7 @@ int run_simulate(const SimulateArguments& arguments) {
   if (!arguments.cloud.realisations.empty()) return fly_cloud(arguments, parametric, times);
   const auto family = models::integrator_trajectories(steered.model, steered.values, {},
                                                       integrator_of(arguments, info, flown.shortest_gust));
-  if (io::is_scene_name(arguments.output)) return animate(arguments, parametric, *family, end);
+  if (io::is_scene_name(arguments.output)) return animate(arguments, parametric, *family, flown, end);
   const models::FamilyTrajectory trajectory =
       models::trajectory(*family, {}, {times.begin(), times.end()}, models::output_names(family->info()));
 

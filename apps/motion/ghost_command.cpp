@@ -127,7 +127,7 @@ int run_ghost(const GhostArguments& arguments) {
   if (!arguments.output.empty()) {
     std::vector<std::string> inputs = files_of_captures(std::span(&arguments.path, 1));
     inputs.insert(inputs.end(), {arguments.model, arguments.coefficients});
-    check_output(arguments.output, inputs);
+    check_text_output(arguments.output, inputs);
   }
   const auto model = codebooks::open_model(arguments.model);
   std::map<std::string, std::string> units, parameter_units;

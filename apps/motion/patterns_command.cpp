@@ -4,6 +4,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -100,8 +101,11 @@ Json capture_json(const motion::LabelledMotion& capture) {
 
 motion::PatternThresholds thresholds_of(const PatternsArguments& arguments) {
   motion::PatternThresholds thresholds;
+  std::set<std::string> given;
   for (const std::string& text : arguments.thresholds) {
     const Setting one = setting_of("--threshold", text);
+    if (!given.insert(one.name).second)
+      throw ArgumentError(fmt::format("--threshold: \"{}\" is set twice", one.name));
     const double value = number_or_quantity("--threshold: " + one.name, one.text, "1");
     try {
       set_threshold(thresholds, one.name, value);
@@ -196,8 +200,8 @@ int run_patterns(const PatternsArguments& arguments) {
                                           : files_of_captures(arguments.inputs, arguments.sidecar);
     inputs.insert(inputs.end(), {arguments.labels, arguments.body});
     std::erase(inputs, "");
-    for (const std::string& path : {arguments.output, arguments.report})
-      if (!path.empty()) check_output(path, inputs);
+    if (!arguments.output.empty()) check_text_output(arguments.output, inputs);
+    if (!arguments.report.empty()) check_output(arguments.report, inputs);
     check_outputs_differ({{"--output", arguments.output}, {"--report", arguments.report}});
     check_ending("--report", arguments.report, ".html");
   }

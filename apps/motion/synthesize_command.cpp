@@ -58,8 +58,13 @@ void check_outputs(const SynthesizeArguments& arguments, const std::vector<std::
                                                                     {"--csv", arguments.csv},
                                                                     {"--picture", arguments.picture},
                                                                     {"--report", arguments.report}};
-  for (const auto& [option, path] : written)
-    if (!path.empty()) (option == "--course" ? check_file_output : check_output)(path, inputs);
+  for (const auto& [option, path] : written) {
+    if (path.empty()) continue;
+    const auto check = option == "--course" ? check_file_output
+                       : option == "--csv"  ? check_text_output
+                                            : check_output;
+    check(path, inputs);
+  }
   check_outputs_differ(written);
   check_ending("--picture", arguments.picture, ".svg");
   check_ending("--report", arguments.report, ".html");

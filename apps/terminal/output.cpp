@@ -1,6 +1,7 @@
 #include "terminal/output.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -18,6 +20,7 @@
 #include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/build/effort.h"
+#include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
 #include "terminal/terminal.h"
 #include "terminal/text_layout.h"
@@ -50,11 +53,41 @@ void check_output(const std::string& path, const std::vector<std::string>& input
   io::require_writable(path);
 }
 
+namespace {
+
+constexpr std::array<std::string_view, 2> kOfHdf5 = {".h5", ".hdf5"};
+constexpr std::array<std::string_view, 7> kOfText = {".csv",  ".tsv",  ".txt", ".json",
+                                                     ".toml", ".yaml", ".yml"};
+/// Of pictures, pages, scenes, and files of other programs.
+constexpr std::array<std::string_view, 9> kOfOthers = {".png", ".svg", ".html", ".glb", ".usda",
+                                                       ".vtu", ".pvd", ".xdmf", ".flat"};
+
+bool has_ending(const std::string& path, std::span<const std::string_view> endings) {
+  return std::ranges::count(endings, ending_of(path)) > 0;
+}
+
+}  // namespace
+
 void check_file_output(const std::string& path, const std::vector<std::string>& inputs) {
   if (path == "-")
     throw ArgumentError("the output is \"-\", but HDF5 goes to no stream; the name of a file was expected");
   check_output(path, inputs);
+  if (has_ending(path, kOfText) || has_ending(path, kOfOthers))
+    throw ArgumentError(
+        fmt::format("the output is \"{}\", but HDF5 is written; a name that ends in .h5 was expected", path));
   const io::PendingFile probe(path);
+}
+
+void check_text_output(const std::string& path, const std::vector<std::string>& inputs) {
+  check_output(path, inputs);
+  if (has_ending(path, kOfHdf5) || has_ending(path, kOfOthers))
+    throw ArgumentError(fmt::format(
+        "the output is \"{}\", but text is written; a name with another ending than {} was expected", path,
+        ending_of(path)));
+}
+
+void check_text_or_scene_output(const std::string& path, const std::vector<std::string>& inputs) {
+  (io::is_scene_name(path) ? check_output : check_text_output)(path, inputs);
 }
 
 namespace {

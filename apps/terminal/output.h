@@ -26,7 +26,13 @@ void print(const Json& object);
 /// @throws ArgumentError if not, or if it is one of the inputs.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
 /// The same of a codebook or another file in HDF5, which no stream takes.
+/// @throws ArgumentError for a name with the ending of another format, too: `fall.csv` must not hold a codebook
 void check_file_output(const std::string& path, const std::vector<std::string>& inputs);
+/// The same of a table, JSON or another text.
+/// @throws ArgumentError for a name with the ending of what is no text, too: `fall.h5` must not hold a table
+void check_text_output(const std::string& path, const std::vector<std::string>& inputs);
+/// The same where a motion may be written, too (.glb, .usda).
+void check_text_or_scene_output(const std::string& path, const std::vector<std::string>& inputs);
 /// Options that name files to write, with the names; those without one are not asked for.
 /// @throws ArgumentError where two name the same file, also through links.
 void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written);

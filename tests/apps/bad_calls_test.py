@@ -203,7 +203,7 @@ class BadCalls(Case):
         fit = ["fit", "constant_rate", problem, "--petab", folder]
         for output in (folder / "parameters.tsv", linked / "simulations.tsv"):
             self.check_error(run(*fit, "-o", output), 2, "--output and --petab both name", "two files")
-        self.check_error(run("fit", "constant_rate", problem, "-o", folder / "a.html", "--report", linked / "a.html"), 2, "two files")
+        self.check_error(run("fit", "constant_rate", problem, "-o", folder / "a", "--report", linked / "a"), 2, "two files")
         self.assertEqual(list(folder.iterdir()), [])
 
     def test_an_input_is_not_overwritten_by_the_output(self):
@@ -239,7 +239,7 @@ class BadCalls(Case):
                      ["simulate", "kirchhoff_body", "--body", cube, "-o", cube]):
             with self.subTest(call=call):
                 self.check_error(run(*call), 2, "which it would overwrite")
-        self.check_error(run("patterns", table, "-o", FOLDER / "two.html", "--report", FOLDER / "two.html"), 2, "two files were expected")
+        self.check_error(run("patterns", table, "-o", FOLDER / "two", "--report", FOLDER / "two"), 2, "two files were expected")
         self.assertNotEqual(run("build", body, "-o", cube, "--force").returncode, 0)
         for file, content in kept.items():
             self.assertEqual(file.read_bytes(), content)

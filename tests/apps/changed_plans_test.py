@@ -64,8 +64,9 @@ class ChangedPlans(Case):
         self.check_error(run("plan", "vertical_fall", "-o", notes), 2, "notes.txt", "no plan")
         self.check_error(run("export", line, "--to", "flat", "-o", flat), 2, "notes.flat", "no flat file")
         self.assertEqual((notes.read_text(), flat.read_text()), ("mine\n", "mine\n"))
-        sweep = write("card_sweep.toml", "")
-        self.check_error(run("database", sweep, "-o", notes), 2, "notes.txt", "no database of motions")
+        sweep, plain = write("card_sweep.toml", ""), write("plain_notes", "mine\n")
+        self.check_error(run("database", sweep, "-o", plain), 2, "plain_notes", "no database of motions")
+        self.assertEqual(plain.read_text(), "mine\n")
         for name, call in (("twice.toml", ["plan", "vertical_fall"]), ("twice.flat", ["export", line, "--to", "flat"])):
             for _ in range(2):
                 self.assertEqual(run(*call, "-o", FOLDER / name).returncode, 0)
@@ -81,6 +82,36 @@ class ChangedPlans(Case):
         table = write("two.csv", "t[s],x[m]\n0,0\n1,1\n")
         for name in ("FALL.SVG", "run_0.2", "fall"):  # capitals are no other kind, and what is no word is no ending
             self.assertEqual(run("plot", table, "-o", FOLDER / name).returncode, 0)
+
+    def test_hdf5_is_not_written_by_a_name_of_another_format(self):
+        plan, config, capture = write("named_plan.toml", LINE_PLAN), write("named_config.toml", 'outputs = ["x"]\n'), write("named.csv", "t[s],x[m]\n0,0\n1,1\n")
+        calls = [["build", plan, "-o"], ["build", plan, "--dry-run", "-o"], ["build", plan, "--force", "-o"], ["flow", plan, "-o"], ["sweep", plan, "-o"],
+                 ["database", capture, "-o"], ["synthesize", plan, "-o", FOLDER / "named.glb", "--course"], ["fit", "vertical_fall", capture, "--config", config, "--series"]]
+        for call, ending in zip(calls, [".csv", ".TSV", ".json", ".png", ".svg", ".html", ".txt", ".glb"]):
+            named = FOLDER / f"of_hdf5{ending}"
+            self.check_error(run(*call, named), 2, named.name, "but HDF5 is written; a name that ends in .h5 was expected")
+            self.assertFalse(named.exists())
+        mine = write("mine.csv", "a,b\n1,2\n")
+        self.check_error(run("build", plan, "--force", "-o", mine), 2, "a name that ends in .h5 was expected")
+        self.assertEqual(mine.read_text(), "a,b\n1,2\n")
+        for name in ("plain_line", "line.hdf5", "LINE.H5", "line_0.2", "line.book"):
+            self.assertEqual(run("build", plan, "-o", FOLDER / name).returncode, 0)
+
+    def test_text_is_not_written_by_the_name_of_a_codebook_or_a_picture(self):
+        line, card = book("line", LINE_PLAN), ["--set", "semi_chord=5 mm", "--set", "semi_thickness=0.57 mm", "--set", "density=11340"]
+        capture = write("named.csv", "t[s],x[m]\n0,0\n1,1\n")
+        calls = [["query", line, "--set", "k=4"], ["simulate", "constant_rate", "--set", "k=2"], ["info", line], ["validate", line], ["stats", line],
+                 ["plan", "vertical_fall"], ["models", "vertical_fall"], ["regime", "falling_plate", *card], ["fit", "vertical_fall", capture],
+                 ["patterns", capture], ["wind", capture, "--at", "0, 0, 2 m"], ["body", "disc", "--size", "1 cm", "1 mm", "--density", "2700", "--fluid", "1000"],
+                 ["design", line, "--fit", capture], ["compare", capture, "--model", line, "--left-out", capture, "--by", "drop"], ["follow", line, capture, capture],
+                 ["ghost", "falling_plate", capture]]
+        calls = [[*call, "-o"] for call in calls] + [["synthesize", capture, "-o", FOLDER / "named.glb", "--csv"]]
+        endings = [".h5", ".hdf5", ".png", ".svg", ".html", ".glb", ".H5", ".flat", ".vtu"]
+        for k, call in enumerate(calls):
+            ending = endings[k % len(endings)]
+            named = FOLDER / f"of_text{ending}"
+            self.check_error(run(*call, named), 2, named.name, f"but text is written; a name with another ending than {ending.lower()} was expected")
+            self.assertFalse(named.exists())
 
     def test_text_in_a_file_does_not_depend_on_the_terminal(self):
         line = book("line", LINE_PLAN)

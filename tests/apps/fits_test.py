@@ -319,6 +319,21 @@ class Fits(Case):
         self.check_error(run("fit", model, problem, "--petab", unmade, "-o", twice, "--report", twice), 2, "two files")
         self.assertFalse(unmade.exists())
 
+    def test_petab_starts_with_bounds_of_their_own_in_each_condition_are_refused(self):
+        model = write("slowed.toml", 'name = "slowed"\n[states]\nv = { initial = 2, unit = "m/s" }\n[parameters]\n'
+                      'rate = { unit = "1/s", above = 0 }\n[rates]\nv = "-rate*v"\n')
+        write("of_starts.tsv", "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\nrate\tlin\t0.1\t5\t1\t1\n"
+              "v_slow\tlin\t1\t3\t2\t1\nv_fast\tlin\t2\t8\t5\t1\n")
+        write("speeds.tsv", "observableId\tobservableFormula\tnoiseFormula\nspeed\tv\t0.01\n")
+        write("starts.tsv", "conditionId\tv\nslow\tv_slow\nfast\tv_fast\n")
+        write("slowing.tsv", "observableId\tsimulationConditionId\tmeasurement\ttime\n" +
+              "".join(f"speed\t{name}\t{v * math.exp(-0.08 * k)}\t{0.1 * k}\n" for name, v in (("slow", 2), ("fast", 5)) for k in range(1, 20)))
+        problem = write("starts.yaml", "format_version: 1\nparameter_file: of_starts.tsv\nproblems:\n- condition_files: [starts.tsv]\n"
+                        "  measurement_files: [slowing.tsv]\n  observable_files: [speeds.tsv]\n")
+        self.check_error(run("fit", model, problem), 3, "starts.tsv", "v(0)", "in different conditions: bounds and priors that are the same were expected")
+        write("of_starts.tsv", (FOLDER / "of_starts.tsv").read_text().replace("\t1\t3\t", "\t1\t8\t").replace("\t2\t8\t", "\t1\t8\t"))
+        self.assertEqual(run("fit", model, problem).returncode, 0)
+
     def test_a_prediction_needs_captures_a_span_and_a_time(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         self.check_error(run("fit", path, capture, "--ahead", "0.1 s"), 2, "--ahead", "--left-out")

@@ -417,7 +417,7 @@ relative = 0.15
         self.check_error(run("info", changed), 3, "changed.h5", "/loads", "C_D is nan, expected a finite number")
 
     def test_no_other_file_is_lost_to_a_flow(self):
-        other = write("other.txt", "mine")
+        other = write("other", "mine")
         self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and neither a flow nor a codebook")
         self.assertEqual(other.read_text(), "mine")
         self.assertFalse(os.path.exists(str(other) + ".checkpoint"))

@@ -178,7 +178,9 @@ v = "mu*w*(1 - x^2)*v - w^2*x"
         path = write("kept.toml", MODEL)
         plan = write("kept_plan.toml", 'model = "kept.toml"\n' + BOX)
         self.check_error(run("simulate", path, "-o", path), 2, "which it would overwrite")
-        self.check_error(run("build", plan, "-o", path, "--force"), 2, "which it would overwrite")
+        link = FOLDER / "kept.h5"
+        link.symlink_to(path)
+        self.check_error(run("build", plan, "-o", link, "--force"), 2, "which it would overwrite")
         self.assertEqual(path.read_text(), MODEL)
 
     def test_first_guesses_are_put_right(self):

@@ -199,6 +199,9 @@ class BadWinds(Case):
         self.check_error(run("simulate", "sphere_flight_in_gusts", *ball, "--body-radius", "2 cm"), 2, "is no flat one")
         self.assertEqual(run("simulate", "sphere_flight_in_gusts", *ball).returncode, 0)
         self.check_error(run("simulate", "immersed_body", *LEAF, "--wind", wind, "--seed", -1), 2, "--seed", "-1")
+        calm = write("calm.toml", '[mean]\nspeed = "4 m/s"\n')
+        self.check_error(run("simulate", "immersed_body", *LEAF, "--until", 0.1, "--frames", 2, "--wind", calm, "--seed", 5), 2,
+                         f"--seed draws turbulence, and {calm} holds none")
         self.check_error(run("simulate", "immersed_body", *LEAF, "--wind", FOLDER / "none.toml"), 3, "does not exist")
         self.check_error(run("wind", wind, "--at", "0, 0", "-o", FOLDER / "s.csv"), 2, "--at", "3 were expected")
         self.check_error(run("wind", wind, "--at", "0, 0, -1", "-o", FOLDER / "s.csv"), 2, "height of point 1")
