@@ -13,7 +13,7 @@ Numbers are in SI; where one is expected, a text with a unit will do. Errors are
 """
 
 from ._core import __version__
-from ._errors import ArgumentError, Error, InputError, MissingPackageError, NoResultError, OutsideBoxError
+from ._errors import ArgumentError, Error, InputError, MissingPackageError, NoResultError, OutsideBoxError, UnknownNameError
 from ._building import build, separate
 from ._codebook import Codebook
 from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, OutputError, Piece, Statistics
@@ -80,6 +80,7 @@ __all__ = [
     "Sweep",
     "Turbulence",
     "Unknown",
+    "UnknownNameError",
     "Wake",
     "Wind",
     "Window",

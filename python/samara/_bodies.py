@@ -11,18 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._building import Path, Progress, Reported
-from ._errors import ArgumentError
+from ._errors import ArgumentError, writing
 from ._sweeps import Sweep
-from ._units import Quantity, one_si, real_array, whole
+from ._units import Quantity, counted, finite, one_si, real_array
 
 _STATES = ("falling", "landed", "not_finite", "waiting")
-
-
-def _number(value: Any, what: str) -> int:
-    number = whole(value, what)
-    if number is None:
-        raise ArgumentError(f"{what} is None, expected a whole number")
-    return number
 
 
 def _chosen(bodies: ArrayLike, count: int) -> NDArray[Any]:
@@ -70,11 +63,15 @@ class Motions:
     def of(sweep: Sweep, *, threads: int = 0, progress: Progress = True) -> Motions:
         """Runs the falls of a sweep again and cuts them."""
         with Reported(progress) as report:
-            return Motions(_core.Motions.of(sweep._core, report, _number(threads, "threads")))
+            return Motions(_core.Motions.of(sweep._core, report, counted(threads, "threads")))
 
     def save(self, path: Path) -> None:
-        """As HDF5, the format of ``samara database``."""
-        self._core.save(os.fspath(path))
+        """As HDF5, the format of ``samara database``.
+
+        :raises InputError: (an ``OSError``) where it cannot be written
+        """
+        with writing():
+            self._core.save(os.fspath(path))
 
     def __repr__(self) -> str:
         return f"<samara.Motions: {len(self.kinds)} segments of {self.report['model']}>"
@@ -106,14 +103,14 @@ class Bodies:
             raise ArgumentError(f'choice is {choice!r}, expected "chain" or "graph"')
         self._core = _core.Bodies.of(
             motions._core,
-            _number(count, "count"),
+            counted(count, "count", least=1),
             choice == "graph",
-            0.0 if step is None else one_si(step, "s", "step"),
-            -1.0 if ramp is None else one_si(ramp, "s", "ramp"),
+            0.0 if step is None else one_si(step, "s", "step", above=0),
+            -1.0 if ramp is None else one_si(ramp, "s", "ramp", least=0),
             None if ground is None else one_si(ground, "m", "ground"),
-            _number(tries, "tries"),
+            counted(tries, "tries"),
             None if wind is None else real_array(wind, "wind"),
-            _number(seed, "seed"),
+            counted(seed, "seed"),
         )
         self.count = count
 
@@ -121,14 +118,14 @@ class Bodies:
         """Lets bodies go, moving as if they had fallen for a while: all, or those of these numbers or of a mask (count,).
         ``places`` (3,) or (bodies, 3), m, z up; ``yaw`` about the vertical, rad."""
         numbers = np.arange(self.count) if bodies is None else _chosen(bodies, self.count)
-        where = _for_each(real_array(places, "places"), len(numbers), (3,), "places")
-        turned = _for_each(real_array(yaw, "yaw"), len(numbers), (), "yaw")
+        where = _for_each(finite(real_array(places, "places"), "places"), len(numbers), (3,), "places")
+        turned = _for_each(finite(real_array(yaw, "yaw"), "yaw"), len(numbers), (), "yaw")
         for number, place, angle in zip(numbers, where, turned):
             self._core.release(int(number), place, float(angle))
 
     def advance(self, dt: Quantity) -> None:
         """By steps of equal length, at most ``step``."""
-        self._core.advance(one_si(dt, "s", "dt"))
+        self._core.advance(one_si(dt, "s", "dt", above=0))
 
     @property
     def counts(self) -> dict[str, int]:

@@ -17,7 +17,7 @@ from ._codebook import Codebook
 from ._errors import ArgumentError, in_words_of_python
 from ._identity import identity
 from ._models import Model
-from ._units import Quantity, as_mapping, check_names, names_in, one_si, truth, whole
+from ._units import Quantity, as_mapping, by_name, check_names, counted, names_in, one_si, truth, whole
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -52,7 +52,7 @@ class ProgressLine:
 
 
 class Reported:
-    """What the library is to tell of progress, as a context."""
+    """What the library is to tell of progress, as a context; and of what is to be warned of, when it happens."""
 
     def __init__(self, progress: Progress) -> None:
         if not callable(progress) and not isinstance(progress, (bool, np.bool_)):
@@ -66,7 +66,12 @@ class Reported:
     def __exit__(self, kind: object, error: Optional[BaseException], trace: object) -> None:
         if self._line:
             self._line.clear()
-        in_words_of_python(error)
+
+    def warn(self, sentence: str) -> None:
+        """Warns the caller of the function that has this context, which the library tells from the same thread (calls.h)."""
+        if self._line:
+            self._line.clear()
+        warnings.warn(in_words_of_python(sentence), stacklevel=3)
 
 
 def build(
@@ -111,12 +116,11 @@ def build(
             definition.rhs, checkpoint, resume, definition.jacobian, repr(definition.states), repr(definition.parameters)
         )
         text += comment
-    with Reported(progress) as report:
-        book, _, message, told = _core.build(
-            path, text, definition, report, os.fspath(checkpoint or ""), resume, certificate_points
+    reporter = Reported(progress)
+    with reporter as report:
+        book, _, message = _core.build(
+            path, text, definition, report, reporter.warn, os.fspath(checkpoint or ""), resume, certificate_points
         )
-    for sentence in told:
-        warnings.warn(sentence, stacklevel=2)
     return Codebook(book, message)
 
 
@@ -168,6 +172,16 @@ def separate(
     given_units = as_mapping(units or {}, "units")
     check_names(given_units, list(box), "coordinate")
     unit = {name: given_units.get(name, "1") for name in box}
+    tolerance = one_si(tolerance, "1", "tolerance")
+    if not 0 < tolerance < 1:
+        raise ArgumentError(f"tolerance is {tolerance:g}, expected more than 0 and less than 1")
+    named = {} if absolute is None else by_name(absolute, "absolute")
+    given_floors = as_mapping(absolute if named is None else named, "absolute")
+    check_names(given_floors, names, "output")
+    floors = {name: one_si(value, of[name], f"absolute of {name}", least=0) for name, value in given_floors.items()}
+    calls_at_most = whole(max_calls, "max_calls", 10**12)
+    if title is not None and not isinstance(title, str):
+        raise ArgumentError(f"title is {title!r}, expected a text")
     certificate_points = whole(certificate_points, "certificate_points", least=1)
     resume = truth(resume, "resume")
     if not callable(function):
@@ -177,19 +191,18 @@ def separate(
     plan: dict[str, Any] = {
         "title": title,
         "command": {"run": [_name_of(function)], "inputs": unit, "outputs": of},
-        "box": {n: [one_si(end, unit[n], n) for end in _ends(bounds, n)] for n, bounds in box.items()},
-        "time": None if end is None else {"end": end},
-        "tolerance": {"relative": tolerance, "absolute": dict(absolute) if absolute else None},
-        "builder": {"kind": "sampling", "seed": seed, "max_calls": max_calls},
+        "box": {n: _ends(bounds, unit[n], n) for n, bounds in box.items()},
+        "time": None if end is None else {"end": one_si(end, "s", "end", above=0)},
+        "tolerance": {"relative": tolerance, "absolute": floors or None},
+        "builder": {"kind": "sampling", "seed": counted(seed, "seed", 2**63 - 1), "max_calls": calls_at_most},
     }
-    calls = _Calls(function, len(box), len(of), vectorised, pool, end is not None)
+    calls = _Calls(function, len(box), len(of), truth(vectorised, "vectorised"), pool, end is not None)
     comment, resume = _fingerprint(function, checkpoint, resume)
-    with Reported(progress) as report:
-        book, _, message, told = _core.separate(
-            calls, _toml.dumps(plan) + comment, report, os.fspath(checkpoint or ""), resume, certificate_points
+    reporter = Reported(progress)
+    with reporter as report:
+        book, _, message = _core.separate(
+            calls, _toml.dumps(plan) + comment, report, reporter.warn, os.fspath(checkpoint or ""), resume, certificate_points
         )
-    for sentence in told:
-        warnings.warn(sentence, stacklevel=2)
     return Codebook(book, message)
 
 
@@ -197,10 +210,13 @@ def _name_of(function: Callable[..., Any]) -> str:
     return f"Python: {getattr(function, '__module__', '')}.{getattr(function, '__qualname__', type(function).__name__)}"
 
 
-def _ends(bounds: Any, name: str) -> tuple[Any, Any]:
+def _ends(bounds: Any, unit: str, name: str) -> list[float]:
     if isinstance(bounds, str) or not hasattr(bounds, "__len__") or len(bounds) != 2:
         raise ArgumentError(f"{name} has the bounds {bounds!r}, expected a pair of them")
-    return bounds[0], bounds[1]
+    lower, upper = (one_si(bound, unit, name) for bound in bounds)
+    if not -np.inf < lower < upper < np.inf:
+        raise ArgumentError(f"{name} has the bounds {lower:g} and {upper:g}, expected finite ones, the lower first")
+    return [lower, upper]
 
 
 def _fingerprint(function: Any, checkpoint: Optional[Path], resume: bool, *more: Any) -> tuple[str, bool]:

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _html, _labels
 from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, Piece, Statistics, certificate_of
-from ._errors import ArgumentError
-from ._units import Quantity, as_mapping, by_name, names_in, one_difference, one_si, real_array, stacked, to_si, whole
+from ._errors import ArgumentError, writing
+from ._units import Quantity, as_mapping, by_name, counted, names_in, one_difference, one_si, real_array, stacked, to_si, whole
 
 Precision = Literal["double", "single", "auto"]
 Points = Union[Mapping[str, Quantity], ArrayLike]
@@ -51,8 +51,12 @@ class Codebook:
         return cls(_core.Book.open(os.fspath(path)))
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
-        """Writes the file, whole or not at all."""
-        self._book.save(os.fspath(path))
+        """Writes the file, whole or not at all.
+
+        :raises InputError: (an ``OSError``) where it cannot be written
+        """
+        with writing():
+            self._book.save(os.fspath(path))
 
     @property
     def title(self) -> str:
@@ -222,7 +226,7 @@ class Codebook:
         :param groups: parameters to give indices of together; a name is a group of its own
         :param quantiles: shares between 0 and 1, or one; ``draws`` points and ``seed`` are those of the quantiles
         """
-        draws, seed = whole(draws, "draws") or 0, whole(seed, "seed", 2**64 - 1) or 0
+        draws, seed = counted(draws, "draws"), counted(seed, "seed", 2**64 - 1)
         together = [groups] if isinstance(groups, str) else groups
         if not isinstance(together, Iterable):
             raise ArgumentError(f"groups are {groups!r}, expected lists of names")
@@ -282,8 +286,11 @@ class Codebook:
                 raise ArgumentError(f"{name} is {given!r}, expected such as ('normal', 1.1, 0.05)")
             kind, first, second = given
             unit = units.get(name, "1")
-            read_second = one_difference if kind == "normal" else one_si
-            found[name] = (str(kind), one_si(first, unit, name), read_second(second, "1" if kind == "lognormal" else unit, name))
+            if kind == "normal":
+                spread = one_difference(second, unit, name)
+            else:
+                spread = one_si(second, "1" if kind == "lognormal" else unit, name)
+            found[name] = (str(kind), one_si(first, unit, name), spread)
         return found
 
     def _held(self, fixed: Mapping[str, Quantity]) -> dict[str, float]:

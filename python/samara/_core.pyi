@@ -11,6 +11,7 @@ __version__: str
 
 _Array = NDArray[np.float64]
 _Report = Optional[Callable[[str, float], Optional[bool]]]
+_Warn = Callable[[str], None]
 _Path = Union[str, "os.PathLike[str]"]
 
 def write_text(path: _Path, text: str) -> None: ...
@@ -82,18 +83,20 @@ def build(
     text: str,
     model: Any,
     progress: _Report,
+    warn: _Warn,
     checkpoint: _Path,
     resume: bool,
     certificate_points: Optional[int],
-) -> tuple[Book, bool, str, list[str]]: ...
+) -> tuple[Book, bool, str]: ...
 def separate(
     call: Callable[[_Array], _Array],
     plan: str,
     progress: _Report,
+    warn: _Warn,
     checkpoint: _Path,
     resume: bool,
     certificate_points: Optional[int],
-) -> tuple[Book, bool, str, list[str]]: ...
+) -> tuple[Book, bool, str]: ...
 def model_names() -> list[str]: ...
 def describe_model(model: Any) -> dict[str, Any]: ...
 def simulate(
@@ -127,8 +130,8 @@ class Sweep:
     def html(self) -> str: ...
 
 def run_sweep(
-    path: Optional[_Path], text: str, progress: _Report, checkpoint: _Path, threads: int
-) -> tuple[Sweep, bool, str, list[str]]: ...
+    path: Optional[_Path], text: str, progress: _Report, warn: _Warn, checkpoint: _Path, threads: int
+) -> tuple[Sweep, bool, str]: ...
 def feature_infos() -> list[tuple[str, str, str, bool]]: ...
 def pattern_names() -> list[str]: ...
 def pattern_thresholds(changed: Mapping[str, float]) -> dict[str, float]: ...
@@ -219,4 +222,5 @@ def realise(
     air: Mapping[str, Any],
     options: Mapping[str, Any],
     progress: _Report,
+    warn: _Warn,
 ) -> dict[str, Any]: ...

@@ -4,11 +4,25 @@ They are Python's own kinds as well: who knows nothing of Samara catches ``Value
 """
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Optional
 
-_OPTION = re.compile(
-    r"(?<![\w/-])--(fresh|span|left-out-span|left-out|ahead|config|sidecar|coefficients|profiles|reference)(?![\w-])"
+_QUOTED_OR_OPTION = re.compile(
+    r'"[^"]*"'
+    r"|(?<![\w/-])--(fresh|span|left-out-span|left-out|ahead|config|sidecar|coefficients|profiles|reference|model-library)(?![\w-])"
 )
+_OTHERS = {"fresh": "resume=False", "model-library": "the command has --model-library"}
+
+
+def in_words_of_python(sentence: str) -> str:
+    """Names arguments where a sentence of the library names options of the command. What stands in quotes is the user's."""
+
+    def argument(found: re.Match[str]) -> str:
+        option: Optional[str] = found[1]
+        return found[0] if option is None else _OTHERS.get(option, option.replace("-", "_"))
+
+    return _QUOTED_OR_OPTION.sub(argument, sentence)
 
 
 class Error(Exception):
@@ -17,6 +31,13 @@ class Error(Exception):
 
 class ArgumentError(Error, ValueError):
     """The call was wrong: an unknown name, a shape that does not match, NaN."""
+
+
+class UnknownNameError(ArgumentError, KeyError):
+    """A name in brackets, as in ``result["C_D"]``, of what is not there."""
+
+    def __str__(self) -> str:
+        return Exception.__str__(self)  # that of a KeyError would be in quotes
 
 
 class InputError(Error, OSError, ValueError):
@@ -35,11 +56,10 @@ class MissingPackageError(Error, ImportError):
     """An optional package is not installed."""
 
 
-def in_words_of_python(error: Optional[BaseException]) -> None:
-    """Names arguments where a sentence of the library names options of the command."""
-    if isinstance(error, Error) and len(error.args) == 1:
-        error.args = (_OPTION.sub(_argument, str(error)),)
-
-
-def _argument(option: re.Match[str]) -> str:
-    return "resume=False" if option[1] == "fresh" else option[1].replace("-", "_")
+@contextmanager
+def writing() -> Iterator[None]:
+    """What cannot be written is wrong of the file, where the library says it of an argument."""
+    try:
+        yield
+    except ArgumentError as error:
+        raise InputError(str(error)) from None

@@ -15,10 +15,10 @@ from . import _core, _html, _toml
 from ._building import Path, Progress, Reported
 from ._captures import files_and_tables
 from ._codebook import Codebook
-from ._errors import ArgumentError
+from ._errors import ArgumentError, NoResultError, UnknownNameError
 from ._labels import optional
 from ._models import Model
-from ._units import Quantity, one_si, real_array, truth
+from ._units import Quantity, check_names, file_in, one_si, real_array, truth
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,13 @@ class FitResult:
         return tuple(self.raw["warnings"])
 
     def __getitem__(self, name: str) -> Coefficient:
-        """One coefficient by name; ``coefficients`` is the table of all."""
+        """One coefficient by name; ``coefficients`` is the table of all.
+
+        :raises NoResultError: where the fit has none, as no start succeeded
+        """
+        if not self._coefficients:
+            raise NoResultError(f'there is no coefficient "{name}", for the fit has the status "{self.status}": {self.message}')
+        check_names([name], list(self._coefficients), "coefficient", UnknownNameError)
         return self._coefficients[name]
 
     @property
@@ -183,18 +189,20 @@ class FitResult:
         """(residuals,): half the sum of their squares is the cost that the fit minimised, its loss and priors included.
 
         ``scipy.optimize.least_squares(fit.residuals, fit.middle, fit.jacobian, fit.bounds)`` is the same fit. NaN where
-        there is no trajectory.
+        there is no trajectory, or an output is no finite number.
         """
         return self._fit.residuals(real_array(q, "unknowns"))
 
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
-        """Exact derivatives of the residuals, (residuals, unknowns)."""
+        """Exact derivatives of the residuals, (residuals, unknowns). NaN where there are no residuals; not finite where an output
+        has no derivative."""
         return self._fit.jacobian(real_array(q, "unknowns"))
 
     def log_posterior(self, q: ArrayLike, gradient: bool = False) -> Any:
         """Logarithm of the density of the unknowns, but for a constant; with ``gradient`` a pair with it (unknowns,).
 
-        The noise is that of the residuals at the answer; uniform in the box, -infinity outside it.
+        The noise is that of the residuals at the answer; uniform in the box, -infinity outside it, and where there are no
+        residuals. The gradient is not finite where an output has no derivative.
         """
         return self._fit.log_posterior(real_array(q, "unknowns"), gradient)
 
@@ -316,10 +324,10 @@ def fit(
         "captures": files,
         "measured": measured,
         "left_out": _files(left_out, "left_out"),
-        "sidecar": os.fspath(sidecar or ""),
+        "sidecar": file_in(sidecar, "sidecar"),
         "config": "" if config is None or has_table else os.fspath(config),  # type: ignore[arg-type]
         "config_text": _toml.dumps(config) if has_table else "",  # type: ignore[arg-type]
-        "coefficients": os.fspath(coefficients or ""),
+        "coefficients": file_in(coefficients, "coefficients"),
         "span": None if span is None else one_si(span, "s", "span"),
         "left_out_span": None if left_out_span is None else one_si(left_out_span, "s", "left_out_span"),
         "ahead": None if ahead is None else one_si(ahead, "s", "ahead"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Optional, Union
@@ -14,31 +13,31 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._building import Path, Progress, Reported
-from ._errors import ArgumentError
+from ._errors import ArgumentError, UnknownNameError
 from ._labels import optional
 from ._models import AnyModel, _info, core_model
-from ._units import Quantity, as_mapping, check_names, names_in, one_si, real_array, to_si, whole
+from ._units import Quantity, as_mapping, check_names, counted, finite, names_in, one_si, real_array, to_si, truth, whole
 
 _Array = NDArray[np.float64]
 
 
 def _count(value: Any, what: str) -> int:
     """A whole number that may be large: a seed, the number of a realisation."""
-    return whole(value, what, 2**62) or 0
+    return counted(value, what, 2**62)
 
 
 def _triples(values: ArrayLike, what: str) -> _Array:
     array = np.ascontiguousarray(real_array(values, what))
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ArgumentError(f"{what} have the shape {array.shape}, expected (.., 3)")
-    return array
+    return finite(array, what)
 
 
 def _triple(values: ArrayLike, what: str) -> list[float]:
     array = real_array(values, what)
     if array.shape != (3,):
         raise ArgumentError(f"{what} has the shape {array.shape}, expected (3,)")
-    return [float(value) for value in array]
+    return [float(value) for value in finite(array, what)]
 
 
 class Wind:
@@ -55,27 +54,25 @@ class Wind:
 
     def profile(self, heights: Quantity) -> _Array:
         """Mean speed [m/s] at heights [m], any shape."""
-        array = to_si(heights, "m", "heights")
-        if not np.all(np.isfinite(array)):
-            raise ArgumentError("heights have a number that is not finite, expected finite ones")
+        array = finite(to_si(heights, "m", "heights"), "heights")
         return _core.wind_profile(self.path, array.ravel()).reshape(array.shape)
 
     def velocity(
-        self, times: Quantity, positions: ArrayLike, body_length: Quantity = 0.1, seed: int = 0, realisation: int = 0
+        self, times: Quantity, positions: ArrayLike, body_length: Quantity = 0.1, seed: int = 1, realisation: int = 0
     ) -> _Array:
         """One realisation of the field: velocities (.., 3) [m/s] at times (..,) [s] and positions (.., 3) [m], broadcast.
 
         :param body_length: the shortest wave, where the file names none
         """
         at = _triples(positions, "positions")
-        t = to_si(times, "s", "times")
+        t = finite(to_si(times, "s", "times"), "times")
         try:
             shape = np.broadcast_shapes(t.shape, at.shape[:-1])
         except ValueError:
             raise ArgumentError(f"shapes that do not broadcast: times {t.shape}, positions {at.shape}") from None
         found = _core.wind_velocities(
             self.path,
-            one_si(body_length, "m", "body_length"),
+            one_si(body_length, "m", "body_length", above=0),
             _count(seed, "seed"),
             _count(realisation, "realisation"),
             np.ascontiguousarray(np.broadcast_to(t, shape)).ravel(),
@@ -84,7 +81,7 @@ class Wind:
         return found.reshape(*shape, 3)
 
     def series(
-        self, points: ArrayLike, step: Quantity, samples: int, seed: int = 0, realisation: int = 0
+        self, points: ArrayLike, step: Quantity, samples: int, seed: int = 1, realisation: int = 0
     ) -> tuple[_Array, _Array]:
         """Series at points (points, 3): times (samples,) [s], and velocities (samples, points, 3) along, across and up [m/s].
         Points are along the wind, across it, and above the ground [m]; the file has ``[series]``."""
@@ -92,7 +89,8 @@ class Wind:
         if at.ndim != 2:
             raise ArgumentError(f"points have the shape {at.shape}, expected (points, 3)")
         return _core.wind_series(
-            self.path, at, one_si(step, "s", "step"), _count(samples, "samples"), _count(seed, "seed"), _count(realisation, "realisation")
+            self.path, at, one_si(step, "s", "step", above=0), _count(samples, "samples"), _count(seed, "seed"),
+            _count(realisation, "realisation"),
         )
 
 
@@ -122,6 +120,7 @@ class Flow:
         return f"<samara.Flow {' x '.join(map(str, self.open_share.shape))}: {', '.join(self.units)}>"
 
     def __getitem__(self, name: str) -> _Array:
+        check_names([name], list(self.units), "field", UnknownNameError)
         return self._core.field(name)
 
     def __iter__(self) -> Any:
@@ -211,7 +210,7 @@ def realise(
     times: Quantity,
     air: Union[Wind, Wake, Turbulence],
     realisations: int = 1000,
-    seed: int = 0,
+    seed: int = 1,
     *,
     ground: Optional[Quantity] = None,
     states: Sequence[str] = (),
@@ -246,7 +245,7 @@ def realise(
     units = {p.name: p.unit for p in info.parameters} | {f"{s.name}(0)": s.unit for s in info.states}
     check_names(as_mapping(parameters, "parameters"), list(units), "parameter")
     values = {name: one_si(value, units[name], name) for name, value in parameters.items()}
-    radius = None if body_radius is None else one_si(body_radius, "m", "body_radius")
+    radius = None if body_radius is None else one_si(body_radius, "m", "body_radius", least=0)
     frames = to_si(times, info.time_unit, "times")
     if frames.ndim != 1:
         raise ArgumentError(f"times have the shape {frames.shape}, expected (times,)")
@@ -254,29 +253,28 @@ def realise(
         "realisations": _count(realisations, "realisations"),
         "first": _count(first, "first"),
         "seed": _count(seed, "seed"),
-        "step": None if step is None else one_si(step, "s", "step"),
+        "step": None if step is None else one_si(step, "s", "step", above=0),
         "threads": whole(threads, "threads") or 0,
         "states": names_in(states, "states"),
         "ground": None if ground is None else one_si(ground, "m", "ground"),
         "keep": _count(keep, "keep"),
-        "antithetic": bool(antithetic),
-        "relative_error": float(relative_error),
-        "C_0": float(C_0),
+        "antithetic": truth(antithetic, "antithetic"),
+        "relative_error": one_si(relative_error, "1", "relative_error", least=0),
+        "C_0": one_si(C_0, "1", "C_0", least=0),
         "body_radius": radius,
-        "rotation": bool(rotation),
+        "rotation": truth(rotation, "rotation"),
     }
     told_air = _air(air, radius)
     options["checkpoint"] = "" if checkpoint is None else os.fspath(checkpoint)
     options["identity"] = "" if checkpoint is None else _identity(air, {**told_air, **options})
+    reporter = Reported(progress)
     if isinstance(air, Wake) and air.flow.summary["status"] == "max_time":
-        warnings.warn(f"the flow was not finished: {air.flow.summary['message']}", stacklevel=2)
-    with Reported(progress) as report:
-        told = _core.realise(core_model(model), values, frames.tolist(), told_air, options, report)
-    for warning in told.pop("warnings"):
-        warnings.warn(warning, stacklevel=2)
-    told["status"] = np.array(told["status"], dtype=str)
-    told["half_turns"] = np.array(told["half_turns"], dtype=np.int64)
-    return Cloud(**told)
+        reporter.warn(f"the flow was not finished: {air.flow.summary['message']}")
+    with reporter as report:
+        cloud = _core.realise(core_model(model), values, frames.tolist(), told_air, options, report, reporter.warn)
+    cloud["status"] = np.array(cloud["status"], dtype=str)
+    cloud["half_turns"] = np.array(cloud["half_turns"], dtype=np.int64)
+    return Cloud(**cloud)
 
 
 def _identity(air: Union[Wind, Wake, Turbulence], told: Mapping[str, Any]) -> str:
@@ -300,17 +298,17 @@ def _air(air: Union[Wind, Wake, Turbulence], radius: Optional[float]) -> dict[st
         return {
             "kind": "flow",
             "flow": air.flow._core,
-            "speed": one_si(air.speed, "m/s", "speed"),
-            "length": one_si(air.length, "m", "length"),
+            "speed": one_si(air.speed, "m/s", "speed", above=0),
+            "length": one_si(air.length, "m", "length", above=0),
             "place": _triple(air.place, "place"),
             "stream_beyond": air.outside == "stream",
         }
     if isinstance(air, Turbulence):
         return {
             "kind": "turbulence",
-            "k": one_si(air.k, "m^2/s^2", "k"),
-            "epsilon": one_si(air.epsilon, "m^2/s^3", "epsilon"),
+            "k": one_si(air.k, "m^2/s^2", "k", least=0),
+            "epsilon": one_si(air.epsilon, "m^2/s^3", "epsilon", above=0),
             "stream": _triple(air.stream, "stream"),
-            "decays": bool(air.decays),
+            "decays": truth(air.decays, "decays"),
         }
     raise ArgumentError(f"the air is of the type {type(air).__name__}, expected a samara.Wind, samara.Wake or samara.Turbulence")

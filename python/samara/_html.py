@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._errors import ArgumentError, InputError
+from ._errors import ArgumentError, writing
 
 if TYPE_CHECKING:
     from ._building import Path
@@ -30,10 +30,8 @@ def write_page(path: "Path", page: str) -> None:
     name = os.fspath(path)
     if not name.lower().endswith(".html"):
         raise ArgumentError(f'path is "{name}", expected a name that ends in .html')
-    try:
+    with writing():
         _core.write_text(path, page)
-    except ArgumentError as error:
-        raise InputError(str(error)) from None
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

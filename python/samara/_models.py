@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._contents import Output
-from ._errors import ArgumentError
-from ._units import Quantity, as_mapping, check_names, names_in, to_si
+from ._errors import ArgumentError, UnknownNameError
+from ._units import Quantity, as_mapping, check_names, finite, names_in, one_si, real_array, to_si, truth
 
 _STEP = 1e-30
 """Of the complex step: so small that its square is lost to rounding, and no digit is."""
@@ -125,6 +125,10 @@ class Model:
             if name == "t" or own.count(name) > 1:
                 other = "that of the time" if name == "t" else "given twice"
                 raise ArgumentError(f'the name "{name}" in the model "{self.name}" is {other}; one of its own was expected')
+        numbers = [(s, what) for s in self.states for what in ("initial", "scale")] + [(p, "default") for p in self.parameters]
+        for of, what in numbers:
+            if getattr(of, what) is not None:
+                finite(real_array(getattr(of, what), f"{what} of {of.name}"), f"{what} of {of.name}")
         if not self.states:
             raise ArgumentError(f'the model "{self.name}" has no state')
         text = (getattr(rhs, "__doc__", None) or "").strip().splitlines()
@@ -371,7 +375,7 @@ class Simulation:
 
     def __getitem__(self, output: str) -> NDArray[np.float64]:
         """One state, or what follows from the states, (.., times)."""
-        check_names([output], self.outputs, "output")
+        check_names([output], self.outputs, "output", UnknownNameError)
         return self.values[..., self.outputs.index(output)]
 
 
@@ -414,7 +418,8 @@ def simulate(
     for k, name in enumerate(free):
         points[:, k] = np.broadcast_to(values[name], shape).ravel()
     found, slopes, problems = _core.simulate(
-        core_model(model), fixed, free, points, frames, bool(wanted), relative_tolerance, stiff
+        core_model(model), fixed, free, points, frames, bool(wanted), one_si(relative_tolerance, "1", "relative_tolerance"),
+        truth(stiff, "stiff"),
     )
     names = tuple(s.name for s in info.states)
     outputs = (*names, *(o.name for o in info.outputs))

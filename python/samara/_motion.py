@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from . import _core, _html
 from ._building import Path
-from ._captures import files_and_tables
+from ._captures import files_and_tables, sidecar_of
 from ._errors import ArgumentError
 from ._labels import optional
 from ._models import AnyModel, _info, core_model
-from ._units import Quantity, as_mapping, check_names, one_si, real_array
+from ._units import Quantity, as_mapping, check_names, counted, one_si, real_array, thresholds_in
 
 PATTERNS: tuple[str, ...] = tuple(_core.pattern_names())
 """In the order of every array that has a column for each."""
@@ -89,22 +89,30 @@ class Record:
             if array.shape != shape:
                 raise ArgumentError(f"{what} have the shape {array.shape}, expected {shape}")
             object.__setattr__(self, what, array)
+        for what, unit in (("length", "m"), ("position_noise", "m"), ("angle_noise", "rad")):
+            given = getattr(self, what)
+            if given is not None or what == "length":
+                object.__setattr__(self, what, one_si(given, unit, what, least=0))
+        counted(self.left_out, "left_out")
+        if not isinstance(self.name, str):
+            raise ArgumentError(f"name is {self.name!r}, expected a text")
 
     def features(self, settle: float = 0.5) -> dict[str, float]:
         """By name (``samara.FEATURES``); NaN where one is not known. ``settle``: share left out at the beginning."""
-        numbers, *_ = _core.record_features(vars(self), settle, {})
+        numbers, *_ = _core.record_features(vars(self), _settle(settle), {})
         return dict(zip((f.name for f in FEATURES), map(float, numbers)))
 
     def label(self, settle: float = 0.5, thresholds: Optional[Mapping[str, float]] = None) -> Label:
         """What the rule calls the whole of it."""
-        _, pattern, margin, why = _core.record_features(vars(self), settle, _thresholds(thresholds))
+        _, pattern, margin, why = _core.record_features(vars(self), _settle(settle), thresholds_in(thresholds))
         return Label(pattern, margin, why)
 
     def windows(
         self, swings: float = 4.0, overlap: float = 0.5, thresholds: Optional[Mapping[str, float]] = None
     ) -> list[Window]:
         """As a sequence of patterns: windows of some swings that overlap by a share, equal neighbours merged."""
-        found = _core.record_windows(vars(self), swings, overlap, _thresholds(thresholds))
+        swings, overlap = one_si(swings, "1", "swings"), one_si(overlap, "1", "overlap")
+        found = _core.record_windows(vars(self), swings, overlap, thresholds_in(thresholds))
         return [Window(a, b, Label(pattern, margin, why), count) for a, b, pattern, margin, why, count in found]
 
     @property
@@ -125,17 +133,20 @@ def records(captures: Any, length: Quantity = 0.0, sidecar: Optional[Path] = Non
     :param length: of the body, m; 0: not known
     """
     files, tables = files_and_tables(captures)
-    found = _core.motion_records(files, tables, os.fspath(sidecar or ""), one_si(length, "m", "length"))
+    found = _core.motion_records(files, tables, sidecar_of(files, sidecar), one_si(length, "m", "length", least=0))
     return [Record(**one) for one in found]
 
 
-def _thresholds(given: Optional[Mapping[str, float]]) -> dict[str, float]:
-    return {} if given is None else {str(k): float(v) for k, v in as_mapping(given, "thresholds").items()}
+def _settle(share: float) -> float:
+    number = one_si(share, "1", "settle")
+    if not 0 <= number < 1:
+        raise ArgumentError(f"settle is {number:g}, expected a share from 0 to below 1")
+    return number
 
 
 def pattern_thresholds(**changed: float) -> dict[str, float]:
     """All thresholds of the rule, those named with other values."""
-    return _core.pattern_thresholds(changed)
+    return _core.pattern_thresholds(thresholds_in(changed))
 
 
 class Patterns:
@@ -207,7 +218,9 @@ def patterns(
     is_records = isinstance(captures, Iterable) and not isinstance(captures, (str, os.PathLike, Mapping))
     given = list(captures) if is_records and not hasattr(captures, "columns") else captures
     own = isinstance(given, list) and bool(given) and all(isinstance(one, Record) for one in given)
-    return Patterns(given if own else records(given, length, sidecar), swings, overlap, _thresholds(thresholds))
+    if own and (one_si(length, "m", "length") != 0 or sidecar is not None):
+        raise ArgumentError("length and sidecar are of captures, but records were given, which have what they need")
+    return Patterns(given if own else records(given, length, sidecar), swings, overlap, thresholds_in(thresholds))
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._building import Path
-from ._captures import files_and_tables
+from ._captures import files_and_tables, sidecar_of
 from ._errors import ArgumentError
 from ._labels import optional
-from ._units import Quantity, as_mapping, one_si, real_array, whole
+from ._units import Quantity, as_mapping, counted, one_si, real_array, thresholds_in, whole
 
 
 @dataclass(frozen=True)
@@ -80,11 +80,10 @@ def agreement(
     """
     is_file = isinstance(labels, (str, os.PathLike))
     words = {str(k): [v] if isinstance(v, str) else list(v) for k, v in as_mapping(classes or {}, "classes").items()}
-    rule = {str(k): float(v) for k, v in as_mapping(thresholds or {}, "thresholds").items()}
     files, tables = files_and_tables(captures)
     found, confusion, share, balanced, kappa, rand, segments = _core.segment_agreement(
-        files, tables, os.fspath(sidecar or ""), os.fspath(labels) if is_file else None, [] if is_file else _rows(labels), words,
-        one_si(length, "m", "length"), rule,
+        files, tables, sidecar_of(files, sidecar), os.fspath(labels) if is_file else None, [] if is_file else _rows(labels), words,
+        one_si(length, "m", "length", least=0), thresholds_in(thresholds),
     )
     return Agreement(found, confusion.astype(np.int64), share, balanced, kappa, rand, segments)
 
@@ -138,6 +137,6 @@ def _clusters(points: ArrayLike, clusters: int, restarts: int, seed: int, mixtur
     given = np.ascontiguousarray(real_array(points, "points"))
     if given.ndim != 2:
         raise ArgumentError(f"points have the shape {given.shape}, expected (points, columns)")
-    numbers = [whole(value, what) or 0 for value, what in ((clusters, "clusters"), (restarts, "restarts"), (seed, "seed"))]
+    numbers = [counted(value, what) for value, what in ((clusters, "clusters"), (restarts, "restarts"), (seed, "seed"))]
     assignment, centres, objective, converged, message = _core.clusters(given, mixture, *numbers)
     return Clusters(np.array(assignment, dtype=np.int64), centres, objective, converged, message)

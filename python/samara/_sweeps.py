@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any, Optional, Union
 
@@ -13,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _html, _toml
 from ._building import Path, Progress, Reported
 from ._contents import Coordinate
-from ._errors import ArgumentError
+from ._errors import ArgumentError, writing
 from ._labels import optional
 from ._motion import FEATURES
 from ._pattern_tools import Clusters, gaussian_mixture, k_means
-from ._units import by_name, check_names, names_in, real_array, stacked, whole
+from ._units import by_name, check_names, counted, names_in, real_array, stacked, truth, whole
 
 
 class Sweep:
@@ -60,8 +59,12 @@ class Sweep:
         return Sweep(_core.Sweep.open(os.fspath(path)))
 
     def save(self, path: Path) -> None:
-        """As HDF5, the format of ``samara sweep``."""
-        self._core.save(os.fspath(path))
+        """As HDF5, the format of ``samara sweep``.
+
+        :raises InputError: (an ``OSError``) where it cannot be written
+        """
+        with writing():
+            self._core.save(os.fspath(path))
 
     def __repr__(self) -> str:
         return f"<samara.Sweep of {self.model}: {len(self.labels)} falls over {', '.join(self.names)}>"
@@ -103,21 +106,21 @@ class Sweep:
         """The map of one release at (.., coordinates), SI, or at those of a frame by name: patterns, the share of the seven
         nearest falls that have them, and the distance to the nearest fall of another one (the box has sides of length 1)."""
         given = self._points(points)
-        found, probability, distance = self._core.at(given.reshape(-1, len(self.names)), whole(release, "release") or 0)
+        found, probability, distance = self._core.at(given.reshape(-1, len(self.names)), counted(release, "release"))
         shape = given.shape[:-1]
         return np.array(found, dtype=str).reshape(shape), probability.reshape(shape), distance.reshape(shape)
 
     def draw(self, pattern: str, count: int = 1, *, seed: int = 1, release: int = 0) -> NDArray[np.float64]:
         """(count, coordinates), SI: points of the box whose falls from a release have a pattern: falls of it, moved by at most
         half the way to the nearest one of another."""
-        numbers = [whole(value, what) or 0 for value, what in ((count, "count"), (seed, "seed"), (release, "release"))]
+        numbers = [counted(value, what) for value, what in ((count, "count"), (seed, "seed"), (release, "release"))]
         return self._core.draw(pattern, *numbers)
 
     def clamp(self, pattern: str, points: ArrayLike, *, release: int = 0) -> NDArray[np.float64]:
         """Points (.., coordinates), SI, moved to where the map of a release has the pattern: as they are where it has it there,
         else the last place that has it on the way from the nearest fall of the pattern."""
         given = self._points(points)
-        moved = self._core.clamp(pattern, given.reshape(-1, len(self.names)), whole(release, "release") or 0)
+        moved = self._core.clamp(pattern, given.reshape(-1, len(self.names)), counted(release, "release"))
         return moved.reshape(given.shape)
 
     def landing_statistics(self, release: int = 0) -> Any:
@@ -126,7 +129,7 @@ class Sweep:
         what so few do not tell. In a refined sweep they are of its points, which crowd at borders."""
         names = ["pattern", "share", "share_lower", "share_upper", "landed", "x", "y", "x_error", "y_error", "xx", "xy", "yy", "distance",
                  "distance_error", "time"]
-        return optional("pandas").DataFrame(self._core.landings(whole(release, "release") or 0), columns=names)
+        return optional("pandas").DataFrame(self._core.landings(counted(release, "release")), columns=names)
 
     def clusters(
         self,
@@ -139,16 +142,19 @@ class Sweep:
     ) -> tuple[NDArray[np.int64], Clusters]:
         """Clusters of the falls of a release that know these features, each scaled to deviation 1: k-means, or a mixture of
         normal distributions. Returns numbers of these falls, and the clusters."""
+        count, seed, release = counted(count, "count", least=1), counted(seed, "seed"), counted(release, "release")
+        if release >= self._release_count:
+            raise ArgumentError(f"there is no release {release}, expected 0 to {self._release_count - 1}")
         names = [feature.name for feature in FEATURES]
         wanted = names_in(features, "features")
         check_names(wanted, names, "feature")
         numbers = self.features[:, [names.index(name) for name in wanted]]
-        known = np.isfinite(numbers).all(axis=1) & (np.arange(len(numbers)) % self._release_count == whole(release, "release"))
+        known = np.isfinite(numbers).all(axis=1) & (np.arange(len(numbers)) % self._release_count == release)
         falls = np.flatnonzero(known)
         chosen = numbers[falls] - numbers[falls].mean(axis=0) if len(falls) else numbers[falls]
         spread = chosen.std(axis=0) if len(falls) else np.ones(len(wanted))
         scaled = chosen / np.where(spread > 0, spread, 1.0)
-        return falls, (gaussian_mixture if mixture else k_means)(scaled, count, seed=seed)
+        return falls, (gaussian_mixture if truth(mixture, "mixture") else k_means)(scaled, count, seed=seed)
 
     def trajectories(self) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str]]:
         """Of a plan that keeps them: times (frames,), states (falls, frames, states), NaN after a fall's end, and the names
@@ -184,10 +190,9 @@ def sweep(
         path, text = os.fspath(plan), ""
     else:
         raise ArgumentError(f"the plan is of the type {type(plan).__name__}, expected a file, or a dictionary with the same keys")
-    with Reported(progress) as report:
-        core, complete, message, told = _core.run_sweep(
-            path, text, report, os.fspath(checkpoint or ""), whole(threads, "threads") or 0
+    reporter = Reported(progress)
+    with reporter as report:
+        core, complete, message = _core.run_sweep(
+            path, text, report, reporter.warn, os.fspath(checkpoint or ""), whole(threads, "threads") or 0
         )
-    for sentence in told:
-        warnings.warn(sentence, stacklevel=2)
     return Sweep(core, complete, message)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Optional
 
@@ -29,12 +30,25 @@ def to_si(value: Quantity, unit: str, what: str) -> NDArray[np.float64]:
     return array.astype(float, copy=False)
 
 
-def one_si(value: Quantity, unit: str, what: str) -> float:
-    """The same of a single number."""
+def one_si(value: Quantity, unit: str, what: str, *, least: Optional[float] = None, above: Optional[float] = None) -> float:
+    """The same of a single number, finite where it has a limit."""
     array = to_si(value, unit, what)
     if array.size != 1:
         raise ArgumentError(f"{what} has {array.size} values, expected one")
-    return float(array.reshape(()))
+    number = float(array.reshape(()))
+    is_wrong = (least is not None and not least <= number < np.inf) or (above is not None and not above < number < np.inf)
+    if is_wrong:
+        limit = f"from {least:g} on" if least is not None else f"above {above:g}"
+        raise ArgumentError(f"{what} is {number:g}{'' if unit == '1' else f' {unit}'}, expected a finite number {limit}")
+    return number
+
+
+def finite(array: NDArray[np.float64], what: str) -> NDArray[np.float64]:
+    """As it is, where all numbers are finite."""
+    wrong = array[~np.isfinite(array)]
+    if wrong.size:
+        raise ArgumentError(f"{what}: a number is {wrong[0]:g}, expected finite ones")
+    return array
 
 
 def one_difference(value: Quantity, unit: str, what: str) -> float:
@@ -66,6 +80,14 @@ def whole(value: Any, what: str, most: int = 2**31 - 1, least: int = 0) -> Optio
     return int(value)
 
 
+def counted(value: Any, what: str, most: int = 2**31 - 1, least: int = 0) -> int:
+    """A count that is given."""
+    number = whole(value, what, most, least)
+    if number is None:
+        raise ArgumentError(f"{what} is None, expected a whole number from {least} on")
+    return number
+
+
 def truth(value: Any, what: str) -> bool:
     """True or False, of Python or NumPy."""
     if not isinstance(value, (bool, np.bool_)):
@@ -79,6 +101,13 @@ def names_in(given: Any, what: str) -> list[str]:
     if not all(isinstance(name, str) for name in names):
         raise ArgumentError(f"{what} are {given!r}, expected names")
     return names
+
+
+def file_in(given: Any, what: str) -> str:
+    """A file's name; empty: none is given."""
+    if given is not None and not isinstance(given, (str, os.PathLike)):
+        raise ArgumentError(f"{what} is of the type {type(given).__name__}, expected a file")
+    return "" if given is None else os.fspath(given)
 
 
 def _si(text: str, unit: str, what: str, reader: Callable[[str, str], float] = _core.si) -> float:
@@ -134,14 +163,19 @@ def as_mapping(given: Any, what: str) -> Mapping[str, Any]:
     raise ArgumentError(f"{what} are given as {type(given).__name__}, expected names with their values, as in {{'C_D': 1.1}}")
 
 
-def check_names(given: Iterable[str], known: Sequence[str], what: str) -> None:
-    """Raises ArgumentError for a name that is not known, with the nearest."""
+def thresholds_in(given: Optional[Mapping[str, float]]) -> dict[str, float]:
+    """Of the rule of patterns, those that are to be others than its own."""
+    return {} if given is None else {str(k): one_si(v, "1", str(k)) for k, v in as_mapping(given, "thresholds").items()}
+
+
+def check_names(given: Iterable[str], known: Sequence[str], what: str, error: type[ArgumentError] = ArgumentError) -> None:
+    """Raises for a name that is not known, with the nearest."""
     for name in given:
         if name in known:
             continue
         near = difflib.get_close_matches(str(name), known, 1)
         hint = f'; did you mean "{near[0]}"?' if near else f"; known: {', '.join(known)}"
-        raise ArgumentError(f'{what} "{name}" is unknown{hint}')
+        raise error(f'{what} "{name}" is unknown{hint}')
 
 
 def stacked(values: Mapping[str, Quantity], coordinates: Sequence[Any], what: str) -> NDArray[np.float64]:

@@ -40,4 +40,15 @@ ProgressCallback progress_to(const py::object& report, Failure& failure) {
   };
 }
 
+std::function<void(const std::string&)> warning_to(const py::object& warn, Failure& failure) {
+  return [&warn, &failure](const std::string& sentence) {
+    const py::gil_scoped_acquire lock;
+    try {
+      warn(sentence);
+    } catch (...) {
+      failure.keep();
+    }
+  };
+}
+
 }  // namespace samara::python

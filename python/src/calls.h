@@ -1,7 +1,9 @@
 #pragma once
 
 #include <exception>
+#include <functional>
 #include <mutex>
+#include <string>
 
 #include <pybind11/pybind11.h>
 
@@ -31,6 +33,12 @@ class Failure {
 /// report returns False or raises, at Ctrl-C, and after another failure.
 /// @param report must outlive the callback
 ProgressCallback progress_to(const py::object& report, Failure& failure);
+
+/// Tells `warn` each sentence when it comes. Python names its caller by the stack: the work is to call this on the
+/// thread that began it. Where `warn` raises, as with warnings that are errors, the work is to end as after a report
+/// that raises.
+/// @param warn must outlive the callback
+std::function<void(const std::string&)> warning_to(const py::object& warn, Failure& failure);
 
 /// Does the work without the interpreter's lock, and raises what Python functions raised on the way in place of what
 /// became of it.

@@ -357,29 +357,29 @@ std::shared_ptr<Book> open(const std::filesystem::path& path) {
 
 /// @param path of a plan, which `text` goes after; None where that is the plan
 /// @param model None for the one that the plan names
+/// @returns the codebook, whether it is met, and how the build ended
 py::tuple build(const std::optional<std::filesystem::path>& path, const std::string& text,
-                const py::object& model, const py::object& progress, const std::filesystem::path& checkpoint,
-                bool resume, const std::optional<int>& certificate_points) {
+                const py::object& model, const py::object& progress, const py::object& warn,
+                const std::filesystem::path& checkpoint, bool resume,
+                const std::optional<int>& certificate_points) {
   const auto failure = std::make_shared<Failure>();
-  std::vector<std::string> warnings;
   const auto definition = model.is_none() ? nullptr : model_of(model, failure);
-  const codebooks::BuildOptions options{
-      .certificate_points = certificate_points,
-      .checkpoint = checkpoint,
-      .resume = resume,
-      .progress = progress_to(progress, *failure),
-      .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
+  const codebooks::BuildOptions options{.certificate_points = certificate_points,
+                                        .checkpoint = checkpoint,
+                                        .resume = resume,
+                                        .progress = progress_to(progress, *failure),
+                                        .warning = warning_to(warn, *failure)};
   codebooks::BuildResult result = unlocked(*failure, [&] {
     const auto parameters_of = [&](const models::BodyDescription& description) {
       const models::BodyInFluid body = models::body_in_fluid(description);
-      warnings.insert(warnings.end(), body.warnings.begin(), body.warnings.end());
+      for (const std::string& sentence : body.warnings) options.warning(sentence);
       return models::kirchhoff_parameters(body);
     };
     const std::string whole = path ? io::read_text_file(*path) + text : text;
     return codebooks::build(
         codebooks::parse_plan(whole, path ? path->string() : "the plan", definition, parameters_of), options);
   });
-  return py::make_tuple(std::make_shared<Book>(std::move(result.book)), result.met, result.message, warnings);
+  return py::make_tuple(std::make_shared<Book>(std::move(result.book)), result.met, result.message);
 }
 
 }  // namespace
@@ -408,7 +408,7 @@ void add_codebooks(py::module_& module) {
            py::arg("outputs") = Names(), py::arg("held") = Held(), py::arg("precision") = "double",
            py::arg("gradient") = false, py::arg("out") = py::none(), py::arg("threads") = py::none());
   module.def("build", &build, py::arg("path"), py::arg("text"), py::arg("model"), py::arg("progress"),
-             py::arg("checkpoint"), py::arg("resume"), py::arg("certificate_points"));
+             py::arg("warn"), py::arg("checkpoint"), py::arg("resume"), py::arg("certificate_points"));
 }
 
 }  // namespace samara::python

@@ -211,7 +211,7 @@ const char* word_of(models::RealisationStatus status) {
 
 py::dict realise(const py::object& which, const std::map<std::string, double>& values,
                  const std::vector<double>& times, const py::dict& air, const py::dict& given,
-                 const py::object& progress) {
+                 const py::object& progress, const py::object& warn) {
   const auto failure = std::make_shared<Failure>();
   const models::ParametricModel model(model_of(which, failure), values, {});
   model.check({});
@@ -236,18 +236,19 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
                                           .antithetic = given["antithetic"].cast<bool>(),
                                           .relative_error = given["relative_error"].cast<double>(),
                                           .progress = progress_to(progress, *failure)};
-  std::vector<std::string> warnings;
   const codebooks::RealisationCheckpoint checkpoint = {
       .file = given["checkpoint"].cast<std::filesystem::path>(),
       .air = given["identity"].cast<std::string>() + "\n" + wind_text,
-      .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
-  const models::Ensemble cloud =
-      unlocked(*failure, [&] { return codebooks::realise(model, {}, *source, times, options, checkpoint); });
-  if (std::string doubt = models::doubt_of_steps(cloud, "step="); !doubt.empty())
-    warnings.push_back(std::move(doubt));
-  if (const long lost = cloud.count(models::RealisationStatus::not_finite); lost > 0)
-    warnings.push_back(fmt::format("{} of {} flights diverged, and are no numbers from there on", lost,
-                                   cloud.realisations()));
+      .warning = warning_to(warn, *failure)};
+  const models::Ensemble cloud = unlocked(*failure, [&] {
+    models::Ensemble flown = codebooks::realise(model, {}, *source, times, options, checkpoint);
+    if (const std::string doubt = models::doubt_of_steps(flown, "step="); !doubt.empty())
+      checkpoint.warning(doubt);
+    if (const long lost = flown.count(models::RealisationStatus::not_finite); lost > 0)
+      checkpoint.warning(fmt::format("{} of {} flights diverged, and are no numbers from there on", lost,
+                                     flown.realisations()));
+    return flown;
+  });
   py::list status;
   for (const models::RealisationStatus one : cloud.status) status.append(word_of(one));
   Eigen::MatrixXd landings(static_cast<Eigen::Index>(cloud.landings.size()), 5);
@@ -268,8 +269,7 @@ py::dict realise(const py::object& which, const std::map<std::string, double>& v
                   py::arg("kept") = stacked(cloud.kept, cloud.times.size(), std::ssize(names)),
                   py::arg("first") = cloud.first, py::arg("step") = cloud.step,
                   py::arg("steps_beyond_tenth") = cloud.steps.beyond_tenth,
-                  py::arg("cancelled") = cloud.cancelled, py::arg("relative_error") = cloud.relative_error,
-                  py::arg("warnings") = warnings);
+                  py::arg("cancelled") = cloud.cancelled, py::arg("relative_error") = cloud.relative_error);
 }
 
 }  // namespace
@@ -296,7 +296,7 @@ void add_flows(py::module_& module) {
              py::arg("samples"), py::arg("seed"), py::arg("realisation"));
   module.def("wind_profile", &wind_profile, py::arg("file"), py::arg("heights"));
   module.def("realise", &realise, py::arg("model"), py::arg("values"), py::arg("times"), py::arg("air"),
-             py::arg("options"), py::arg("progress"));
+             py::arg("options"), py::arg("progress"), py::arg("warn"));
 }
 
 }  // namespace samara::python

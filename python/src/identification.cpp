@@ -111,15 +111,15 @@ std::span<const double> numbers_of(const Array& q) {
   return {q.data(), static_cast<std::size_t>(q.size())};
 }
 
-/// NaN where there is no trajectory.
+/// NaN where there is no trajectory, or an output is not finite.
 py::array_t<double> residuals(const Fit& fit, const Array& q) {
   const id::FitObjective& objective = fit.objective();
   py::array_t<double> values(objective.residual_count());
   Eigen::Map<Eigen::VectorXd> to(values.mutable_data(), values.size());
   asked(fit, [&] {
-    const bool has_trajectory = objective.residuals(numbers_of(q), to);
-    if (!has_trajectory) to.setConstant(std::numeric_limits<double>::quiet_NaN());
-    return has_trajectory;
+    const bool has_values = objective.residuals(numbers_of(q), to);
+    if (!has_values) to.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return has_values;
   });
   return values;
 }
@@ -128,8 +128,8 @@ py::array_t<double> jacobian(const Fit& fit, const Array& q) {
   const id::FitObjective& objective = fit.objective();
   Eigen::VectorXd values(objective.residual_count());
   Eigen::MatrixXd slopes;
-  const bool has_trajectory = asked(fit, [&] { return objective.residuals(numbers_of(q), values, &slopes); });
-  if (!has_trajectory) slopes.setConstant(values.size(), q.size(), std::numeric_limits<double>::quiet_NaN());
+  const bool has_values = asked(fit, [&] { return objective.residuals(numbers_of(q), values, &slopes); });
+  if (!has_values) slopes.setConstant(values.size(), q.size(), std::numeric_limits<double>::quiet_NaN());
   return copied(slopes);
 }
 

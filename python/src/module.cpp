@@ -17,10 +17,12 @@ namespace py = pybind11;
 
 namespace {
 
-/// The class of samara._errors of that name. Modules that were imported are kept by the interpreter.
+/// The class of samara._errors of that name, with the sentence in words of Python. Modules that were imported are kept
+/// by the interpreter.
 void raise(const char* name, const std::exception& error) {
-  const py::object type = py::module_::import("samara._errors").attr(name);
-  PyErr_SetString(type.ptr(), error.what());
+  const py::module_ errors = py::module_::import("samara._errors");
+  const py::object sentence = errors.attr("in_words_of_python")(error.what());
+  PyErr_SetObject(errors.attr(name).ptr(), sentence.ptr());
 }
 
 /// The family of base/errors.h as that of samara._errors, which are Python's own kinds as well.

@@ -135,16 +135,15 @@ py::dict regime(const py::object& which, const std::map<std::string, double>& va
 }
 
 /// @param path of the plan, or its text
-/// @returns the sweep, whether it is complete, how it ended, and warnings
+/// @returns the sweep, whether it is complete, and how it ended
 py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std::string& text,
-                    const py::object& progress, const std::filesystem::path& checkpoint, int threads) {
+                    const py::object& progress, const py::object& warn,
+                    const std::filesystem::path& checkpoint, int threads) {
   Failure failure;
-  std::vector<std::string> warnings;
-  const motion::SweepOptions options = {
-      .threads = threads,
-      .progress = progress_to(progress, failure),
-      .checkpoint = checkpoint,
-      .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
+  const motion::SweepOptions options = {.threads = threads,
+                                        .progress = progress_to(progress, failure),
+                                        .checkpoint = checkpoint,
+                                        .warning = warning_to(warn, failure)};
   motion::SweepResult result = unlocked(failure, [&] {
     const motion::SweepPlan plan =
         path ? motion::read_sweep_plan(*path) : motion::parse_sweep_plan(text, "the plan");
@@ -155,8 +154,7 @@ py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std:
     swept.message += ", refined: " + refined.message;
     return swept;
   });
-  return py::make_tuple(std::make_shared<Sweep>(std::move(result.sweep)), result.complete, result.message,
-                        warnings);
+  return py::make_tuple(std::make_shared<Sweep>(std::move(result.sweep)), result.complete, result.message);
 }
 
 py::dict describe_sweep(const Sweep& sweep) {
@@ -295,9 +293,7 @@ std::vector<identification::Capture> captures_from(const std::vector<std::filesy
                                                    const std::filesystem::path& sidecar) {
   std::vector<identification::Capture> captures;
   for (const std::filesystem::path& file : files) {
-    auto more =
-        sidecar.empty() ? identification::read_captures(file) : identification::read_captures(file, sidecar);
-    std::move(more.begin(), more.end(), std::back_inserter(captures));
+    std::ranges::move(identification::read_captures(file, sidecar), std::back_inserter(captures));
   }
   for (const py::handle table : tables) captures.push_back(capture_of(table.cast<py::dict>()));
   return captures;
@@ -325,7 +321,7 @@ void add_motion(py::module_& module) {
       .def("clamp", &clamped, py::arg("pattern"), py::arg("points"), py::arg("release"))
       .def("landings", &landings_of, py::arg("release"))
       .def("html", [](const Sweep& sweep) { return motion::pattern_html(sweep); });
-  module.def("run_sweep", &run_sweep, py::arg("path"), py::arg("text"), py::arg("progress"),
+  module.def("run_sweep", &run_sweep, py::arg("path"), py::arg("text"), py::arg("progress"), py::arg("warn"),
              py::arg("checkpoint"), py::arg("threads"));
   module.def("feature_infos", [] {
     py::list list;

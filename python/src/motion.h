@@ -16,7 +16,7 @@ namespace samara::python {
 /// The rule's, those named with other values. @throws ArgumentError naming the nearest
 motion::PatternThresholds thresholds_of(const std::map<std::string, double>& values);
 
-/// Captures of files, then those of memory. @param sidecar of every file; empty: those beside them
+/// Captures of files, then those of memory. @param sidecar of every table; empty: those beside them
 std::vector<identification::Capture> captures_from(const std::vector<std::filesystem::path>& files,
                                                    const pybind11::list& tables,
                                                    const std::filesystem::path& sidecar);

@@ -26,12 +26,11 @@ namespace {
 /// The codebook of a function: `call` takes points (points, inputs and times) and gives (points, numbers), all outputs
 /// at the first time, then at the second, ..
 /// @param plan text of a plan with a command that describes the function
-/// @returns the codebook, whether it is met, how the build ended, and warnings
+/// @returns the codebook, whether it is met, and how the build ended
 py::tuple separate(const py::object& call, const std::string& plan, const py::object& progress,
-                   const std::filesystem::path& checkpoint, bool resume,
+                   const py::object& warn, const std::filesystem::path& checkpoint, bool resume,
                    const std::optional<int>& certificate_points) {
   Failure failure;
-  std::vector<std::string> warnings;
   const pgd::PointsFunction function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
     if (failure.is_there()) throw NoResultError("the function has raised an exception before");
     const py::gil_scoped_acquire lock;
@@ -52,21 +51,20 @@ py::tuple separate(const py::object& call, const std::string& plan, const py::ob
     }
     throw NoResultError("the function raised an exception");
   };
-  const codebooks::BuildOptions options{
-      .certificate_points = certificate_points,
-      .checkpoint = checkpoint,
-      .resume = resume,
-      .progress = progress_to(progress, failure),
-      .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
+  const codebooks::BuildOptions options{.certificate_points = certificate_points,
+                                        .checkpoint = checkpoint,
+                                        .resume = resume,
+                                        .progress = progress_to(progress, failure),
+                                        .warning = warning_to(warn, failure)};
   codebooks::BuildResult result = unlocked(
       failure, [&] { return codebooks::build(codebooks::parse_plan(plan, "the plan"), function, options); });
-  return py::make_tuple(std::make_shared<Book>(std::move(result.book)), result.met, result.message, warnings);
+  return py::make_tuple(std::make_shared<Book>(std::move(result.book)), result.met, result.message);
 }
 
 }  // namespace
 
 void add_sampling(py::module_& module) {
-  module.def("separate", &separate, py::arg("call"), py::arg("plan"), py::arg("progress"),
+  module.def("separate", &separate, py::arg("call"), py::arg("plan"), py::arg("progress"), py::arg("warn"),
              py::arg("checkpoint"), py::arg("resume"), py::arg("certificate_points"));
 }
 

@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 
 import samara
-from conftest import COIN
+from conftest import COIN, interrupted
 from models_test import exact, model, oscillator, oscillator_jacobian
 from samara._building import _fingerprint
+from samara._errors import in_words_of_python
 
 def test_a_plan_gives_the_codebook_of_the_command(coin):
     path = COIN / "plan.toml"
@@ -61,6 +62,19 @@ def test_progress_is_told_and_can_end_a_build():
 
     with pytest.raises(LookupError, match="of the report"):
         samara.build(COIN / "plan.toml", progress=bad)
+
+
+def test_errors_name_arguments_where_the_library_names_options_and_leave_what_they_quote():
+    said = "solver --config a.toml failed"
+    plan = {"command": {"run": ["sh", "-c", f"cat >/dev/null; echo '{said}' >&2; exit 3"], "inputs": {"x": "1"}, "outputs": {"u": "1"}},
+            "box": {"x": [0.0, 1.0]}, "tolerance": {"relative": 1e-3}}
+    with pytest.raises(samara.Error, match=f'it said "{said}"') as raised:
+        samara.build(plan, progress=False)
+    assert raised.value.args == (str(raised.value),) and said in repr(raised.value)
+    with pytest.raises(samara.ArgumentError) as raised:
+        samara.fit("vertical_fall", [COIN / "coin.toml"])
+    assert "needs config with a [box]" in str(raised.value) and raised.value.args == (str(raised.value),)
+    assert in_words_of_python('--sidecar "a --config b": or --left-out-span, --fresh') == 'sidecar "a --config b": or left_out_span, resume=False'
 
 
 @pytest.mark.parametrize("kind", ["pgd", "sampling"])
@@ -214,6 +228,18 @@ def test_a_checkpoint_that_cannot_be_written_is_warned_of(tmp_path):
     assert book.certificate.met
 
 
+def test_warnings_are_told_when_they_happen_so_an_interruption_loses_none(tmp_path):
+    def separated(**more):
+        return samara.separate(lambda x: 1 / (1 + 25 * x[:, 0] ** 2), {"a": (-1, 1)}, ["u"], 1e-6, certificate_points=20, **more)
+
+    def built(**more):
+        return samara.build(COIN / "plan.toml", certificate_points=20, **more)
+
+    for call in (separated, built):
+        told = interrupted(call, tmp_path)
+        assert [warning.filename for warning in told] == [__file__]
+
+
 def test_the_identity_of_a_function_is_alike_in_all_runs_and_that_of_a_model_is_all_of_it():
     code = textwrap.dedent("""
         from samara._identity import identity
@@ -301,6 +327,16 @@ def test_functions_of_time_and_executors_give_the_same(vectorised, workers):
                                rtol=0, atol=2e-5)
 
 
+def test_floors_of_outputs_may_be_a_series():
+    pandas = pytest.importorskip("pandas")
+    floors = {"u": 2.0}
+
+    def separated(absolute):
+        return samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], absolute=absolute, certificate_points=20)
+
+    assert separated(pandas.Series(floors)).certificate == separated(floors).certificate
+
+
 def test_what_the_function_raises_or_gets_wrong_comes_back():
     def bad(x):
         raise KeyError("mine")
@@ -325,6 +361,18 @@ def test_what_the_function_raises_or_gets_wrong_comes_back():
         (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], pool=3), "pool is of the type int, expected an executor"),
         (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], resume="no"), "resume is 'no', expected True or False"),
         (lambda: samara.separate(3, {"a": (0, 1)}, ["u"]), "the function is of the type int"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, -1)}, ["u"]), "a has the bounds 0 and -1, expected finite ones, the lower"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, math.inf)}, ["u"]), "a has the bounds 0 and inf"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], -1), "tolerance is -1, expected more than 0 and less than 1"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], None), "tolerance is None"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], end=0), "end is 0 s, expected a finite number above 0"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], absolute={"u": -1}), "absolute of u is -1, expected .* from 0 on"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], absolute={"w": 1}), 'output "w" is unknown'),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], absolute=0), "absolute are given as int"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], seed=None), "seed is None, expected a whole number"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], max_calls=-1), "max_calls is -1, expected a whole number"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], title=3), "title is 3, expected a text"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], vectorised="no"), "vectorised is 'no', expected True or False"),
     ]:
         with pytest.raises(samara.ArgumentError, match=text):
             call()

@@ -174,8 +174,9 @@ def test_a_saved_codebook_is_the_same(coin, tmp_path):
     coin.save(path)
     copy = samara.Codebook.open(path)
     assert copy.certificate == coin.certificate and np.array_equal(ask(copy), ask(coin))
-    with pytest.raises(samara.ArgumentError):
+    with pytest.raises(OSError, match="cannot write .*none/copy.h5") as raised:
         coin.save(tmp_path / "none" / "copy.h5")
+    assert isinstance(raised.value, samara.InputError)
 
 
 def test_bad_files_are_os_errors_with_the_sentence_of_the_command(tmp_path):

@@ -26,6 +26,18 @@ def answer(*arguments):
     return json.loads(command(*arguments, "--json").stdout)
 
 
+def interrupted(call, folder, beyond=None):
+    """A call that cannot write its checkpoint, and is interrupted after its first warning, or beyond a share of the work."""
+    with pytest.warns(UserWarning, match="no checkpoint: cannot write .*none/x.checkpoint") as told:
+        def progress(stage, fraction):
+            if told if beyond is None else fraction > beyond:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            call(progress=progress, checkpoint=folder / "none" / "x.checkpoint")
+    return told
+
+
 @pytest.fixture(scope="session")
 def coin_path(tmp_path_factory):
     path = tmp_path_factory.mktemp("books") / "coin.h5"

@@ -252,6 +252,22 @@ def test_what_a_model_raises_comes_back_from_its_fit_and_its_residuals():
         samara.fit(own, table, config)
 
 
+def test_a_fit_whose_output_is_no_number_says_so_where_its_coefficients_are_asked_for(result, tmp_path):
+    model = tmp_path / "rooted.toml"
+    model.write_text('name = "rooted"\ntitle = "Its output is no number"\nsource = "none"\n[states]\nx = { initial = 1 }\n'
+                     '[parameters]\nk = { unit = "1/s" }\n[rates]\nx = "-k*x"\n[outputs]\ny = "sqrt(x - 2)"\n')
+    t = np.linspace(0, 1, 21)
+    failed = samara.fit(model, {"t[s]": t, "y[1]": np.exp(-t)}, {"box": {"k": [1.0, 4.0]}, "outputs": ["y"], "loss": {"kind": "none"}})
+    assert failed.status == "failed"
+    with pytest.raises(samara.NoResultError, match='"k", for the fit has the status "failed": none of .* starts succeeded; the first: '
+                       'the output "y" at 0 s of capture ".*" is not a finite number'):
+        failed["k"]
+    for kind in (KeyError, samara.ArgumentError):
+        with pytest.raises(kind) as raised:
+            result["C_T"]
+        assert str(raised.value) == 'coefficient "C_T" is unknown; did you mean "C_D"?'
+
+
 def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
     for call, kind, text in [
         (lambda: samara.fit(coin, ["missing.csv"]), OSError, "missing.csv"),
@@ -279,6 +295,8 @@ def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
         (lambda: samara.fit(coin, [COIN / "coin.toml"], left_out=[{"t[s]": [0.0]}]), samara.ArgumentError,
          "left_out has one of the type dict, expected files"),
         (lambda: samara.fit(coin, [COIN / "coin.toml"], left_out=3), samara.ArgumentError, "left_out has one of the type int"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], sidecar=3), samara.ArgumentError, "sidecar is of the type int, expected a file"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], coefficients=3), samara.ArgumentError, "coefficients is of the type int"),
         (lambda: samara.fit(coin, [COIN / "coin.toml"], reference="yes"), samara.ArgumentError, "reference is 'yes', expected True"),
         (lambda: samara.fit(coin, [COIN / "coin.toml"], profiles="no"), samara.ArgumentError, "profiles is 'no', expected True"),
     ]:

@@ -63,6 +63,9 @@ def test_a_trajectory_is_that_of_the_command():
     assert result.done and result.sensitivities is None
     np.testing.assert_allclose(result.values, expected[:, 1:], rtol=0, atol=1e-14)
     assert np.array_equal(result["x"], result.values[:, result.states.index("x")])
+    for kind in (KeyError, samara.ArgumentError):
+        with pytest.raises(kind, match='output "w" is unknown'):
+            result["w"]
 
 
 def test_sensitivities_are_those_of_neighbouring_trajectories():

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import samara
-from conftest import answer, command
+from conftest import answer, command, interrupted
 
 PLATES = {
     "model": "falling_plate_nd",
@@ -21,6 +21,7 @@ PLATES = {
 }
 LEAF = {"a": "3.5 cm", "b": "2 cm", "c": "0.1 mm", "density": 800, "C_D0": 0.05, "C_w": 2, "C_D90": 1.9, "C_T": 1.2, "C_R": 1.0,
         "z(0)": 1.0}
+MEADOW = '[mean]\nspeed = "4 m/s"\nroughness = "3 cm"\n[turbulence]\nsigma = "0.8 m/s"\nlength = "5 m"\nmodes = 20\n'
 
 
 def helix(t):
@@ -38,6 +39,8 @@ def test_a_sweep_is_that_of_the_command(tmp_path):
         names = [name.decode() for name in file["label_names"]]
         assert list(swept.labels) == [names[int(k)] for k in file["labels"]]
         assert tuple(names) == samara.PATTERNS
+    with pytest.raises(samara.InputError, match="cannot write .*none/mine.h5"):
+        swept.save(tmp_path / "none" / "mine.h5")
     again = samara.Sweep.open(tmp_path / "mine.h5")
     np.testing.assert_array_equal(again.features, swept.features)
     assert list(again.labels) == list(swept.labels) and again.releases == swept.releases
@@ -118,6 +121,93 @@ def test_a_finished_sweep_is_no_checkpoint_and_stays(tmp_path):
     np.testing.assert_array_equal(unkept.points, whole.points)
 
 
+def test_warnings_are_told_when_they_happen_so_an_interruption_loses_none(tmp_path):
+    def swept(**more):
+        many = {"inertia_ratio": {"from": 0.8, "to": 2.4, "count": 900}, "C_R": [2.2, 2.7, 3.2]}
+        return samara.sweep({**PLATES, "axes": many}, threads=1, **more)
+
+    def realised(**more):
+        return samara.realise("immersed_body_in_gusts", LEAF, [0.0, 0.05], samara.Turbulence(0.3, 0.2), 1000000, **more)
+
+    # That of the sweep tries to keep its checkpoint when it ends: beyond a half of its 5400 falls 2048 are done, and the next
+    # 1024 are told of before they fall.
+    for call, beyond in [(realised, None), (swept, 0.5)]:
+        told = interrupted(call, tmp_path, beyond)
+        assert [warning.filename for warning in told] == [__file__]
+
+
+def test_a_number_that_makes_no_sense_is_refused_by_its_name(tmp_path):
+    t = np.arange(0, 10, 0.02)
+    track = {"drop": {"t[s]": t, **{f"{c}[m]": v for c, v in zip("xyz", helix(t).T)}}}
+    record, = samara.records(track)
+    (tmp_path / "wind.toml").write_text(MEADOW)
+    wind, air, times = samara.Wind(tmp_path / "wind.toml"), samara.Turbulence(0.3, 0.2), [0.0, 0.05]
+
+    def realised(air=air, **more):
+        return samara.realise("immersed_body_in_gusts", LEAF, times, air, **{"realisations": 4, **more})
+
+    for call, text in [
+        (lambda: samara.records(track, length=-1), "length is -1 m, expected a finite number from 0 on"),
+        (lambda: samara.patterns(track, length=np.nan), "length is nan m"),
+        (lambda: samara.patterns([record], length="5 cm"), "length and sidecar are of captures"),
+        (lambda: samara.records(track, sidecar="a.toml"), 'sidecar "a.toml" says what .* every capture given is in memory'),
+        (lambda: samara.records("b.toml", sidecar="a.toml"), "every capture given is a sidecar itself; a table file was expected"),
+        (lambda: samara.records("b.csv", sidecar=3), "sidecar is of the type int, expected a file"),
+        (lambda: samara.agreement([("drop", 0, 499, "spiral")], track, length="-5 cm"), "length is -0.05 m"),
+        (lambda: samara.agreement([("drop", 0, 499, "spiral")], track, thresholds={"wobble": None}), "wobble is None"),
+        (lambda: samara.pattern_thresholds(wobble="high"), "wobble: .*high"),
+        (lambda: samara.Record(t, helix(t), length=np.inf), "length is inf m"),
+        (lambda: samara.Record(t, helix(t), position_noise=-1), "position_noise is -1 m"),
+        (lambda: samara.Record(t, helix(t), angle_noise="x"), "angle_noise: "),
+        (lambda: samara.Record(t, helix(t), left_out=-1), "left_out is -1, expected a whole number"),
+        (lambda: record.features(settle=1), "settle is 1, expected a share from 0 to below 1"),
+        (lambda: record.label(settle=None), "settle is None"),
+        (lambda: record.windows(swings=None), "swings is None"),
+        (lambda: record.windows(overlap="half"), "overlap: .*half"),
+        (lambda: wind.velocity(0.0, [0, 0, 2], body_length=0), "body_length is 0 m, expected a finite number above 0"),
+        (lambda: wind.velocity(np.nan, [0, 0, 2]), "times: a number is nan, expected finite ones"),
+        (lambda: wind.velocity(0.0, [0, np.inf, 2]), "positions: a number is inf"),
+        (lambda: wind.velocity(0.0, [0, 0, 2], seed=None), "seed is None, expected a whole number from 0 on"),
+        (lambda: wind.series([[0, 0, 10]], 0, 10), "step is 0 s"),
+        (lambda: realised(realisations=None), "realisations is None"),
+        (lambda: realised(step=0), "step is 0 s"),
+        (lambda: realised(body_radius=-1), "body_radius is -1 m"),
+        (lambda: realised(relative_error="x"), "relative_error: "),
+        (lambda: realised(C_0=-1), "C_0 is -1"),
+        (lambda: realised(antithetic=1), "antithetic is 1, expected True or False"),
+        (lambda: realised(rotation="no"), "rotation is 'no', expected True or False"),
+        (lambda: realised(samara.Turbulence(-1, 0.2)), r"k is -1 m\^2/s\^2"),
+        (lambda: realised(samara.Turbulence(0.3, 0.2, (np.nan, 0, 0))), "stream: a number is nan"),
+        (lambda: realised(samara.Turbulence(0.3, 0.2, decays="no")), "decays is 'no'"),
+        (lambda: samara.k_means(helix(t), None), "clusters is None"),
+        (lambda: samara.simulate("vertical_fall", {}, times, relative_tolerance=None), "relative_tolerance is None"),
+        (lambda: samara.simulate("vertical_fall", {}, times, stiff="no"), "stiff is 'no'"),
+        (lambda: samara.Model(lambda t, x, p: x, {"x": samara.State("x", initial=np.nan)}, {}), "initial of x: a number is nan"),
+    ]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            call()
+
+
+def test_sentences_of_records_name_arguments_in_place_of_options(tmp_path):
+    sidecar = tmp_path / "side.toml"
+    sidecar.write_text('[columns]\nt = { quantity = "t", unit = "s" }\n')
+    for call in (lambda: samara.records(sidecar), lambda: samara.patterns(sidecar), lambda: samara.agreement([("a", 0, 9, "steady")], sidecar)):
+        with pytest.raises(samara.InputError, match="the sidecar by sidecar, or lay it beside"):
+            call()
+
+
+def test_a_sidecar_is_of_the_tables_among_captures(tmp_path):
+    rows = "".join(f"{0.02 * k},{0.1 * k},0,{-0.2 * k}\n" for k in range(20))
+    units = {"t": "s", "x": "cm", "y": "cm", "z": "cm"}
+    columns = "[columns]\n" + "".join(f'{name} = {{ quantity = "{name}", unit = "{unit}" }}\n' for name, unit in units.items())
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.csv").write_text("t,x,y,z\n" + rows)
+    (tmp_path / "of_a.toml").write_text('file = "a.csv"\n' + columns.replace("cm", "mm"))
+    (tmp_path / "side.toml").write_text(columns)
+    a, b = samara.records([tmp_path / "of_a.toml", tmp_path / "b.csv"], sidecar=tmp_path / "side.toml")
+    np.testing.assert_allclose([a.positions[-1, 0], b.positions[-1, 0]], [0.0019, 0.019])
+
+
 def test_records_of_captures_are_labelled_as_the_command_labels_them(tmp_path):
     t = np.arange(0, 10, 0.02)
     columns = {"t[s]": t, **{f"{c}[m]": v for c, v in zip("xyz", helix(t).T)}}
@@ -184,8 +274,10 @@ def test_clusters_and_agreement_are_those_of_plain_formulas(tmp_path):
     swept = samara.sweep(PLATES, progress=False)
     falls, kinds = swept.clusters(3, ["tilt", "flips"], release=1)
     assert (falls % 2 == 1).all() and len(kinds.assignment) == len(falls) and kinds.centres.shape == (3, 2)
-    with pytest.raises(samara.ArgumentError, match="did you mean"):
-        swept.clusters(3, ["titl"])
+    for more, text in [({"features": ["titl"]}, "did you mean"), ({"count": 0}, "count is 0, expected a whole number from 1 on"),
+                       ({"release": 2}, "no release 2, expected 0 to 1"), ({"mixture": "no"}, "mixture is 'no'")]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            swept.clusters(**{"count": 3, **more})
 
 
 def test_a_persons_labels_are_compared_as_the_command_compares_them(tmp_path):
@@ -280,15 +372,17 @@ def test_a_wind_is_its_profile_and_its_field(tmp_path):
     assert velocities.shape == (300, 3)
     np.testing.assert_array_equal(wind.velocity(0.0, at[7], seed=3), velocities[7])
     assert np.any(wind.velocity(0.0, at[7], seed=3, realisation=1) != velocities[7])
+    np.testing.assert_array_equal(wind.velocity(0.0, at), wind.velocity(0.0, at, seed=1))
     deviation = velocities - np.c_[wind.profile(at[:, 2]), np.zeros((300, 2))]
     # Eddies of 5 m, some hundred of them in the box.
     np.testing.assert_allclose(deviation.std(axis=0), 0.8, rtol=0.25)
     times, series = wind.series([[0, 0, 10], [0, 5, 10]], "0.1 s", 600, seed=1)
     assert series.shape == (600, 2, 3) and times[1] == 0.1
+    np.testing.assert_array_equal(wind.series([[0, 0, 10], [0, 5, 10]], "0.1 s", 600)[1], series)
     np.testing.assert_allclose(series[:, :, 0].mean(axis=0), 4.0, rtol=1e-9)
     with pytest.raises(samara.ArgumentError, match="do not broadcast"):
         wind.velocity([0.0, 1.0], at)
-    with pytest.raises(samara.ArgumentError, match="heights have a number that is not finite"):
+    with pytest.raises(samara.ArgumentError, match="heights: a number is nan, expected finite ones"):
         wind.profile([np.nan, 1.0])
     with pytest.raises(samara.InputError, match="missing.toml"):
         samara.Wind(tmp_path / "missing.toml").profile(2.0)
@@ -306,6 +400,11 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
         np.testing.assert_array_equal(cloud.mean, file["mean"][:])
         np.testing.assert_array_equal(cloud.covariance, file["covariance"][:])
     assert cloud.states == ["x", "y", "z"] and cloud.covariance.shape == (6, 3, 3)
+    # Of the same noise by default, too.
+    command("simulate", "immersed_body_in_gusts", *(x for n, v in LEAF.items() for x in ("--set", f"{n}={v}")), "--until", 0.5, "--frames", 6,
+            "--turbulence", "k=0.3", "--turbulence", "epsilon=0.2", "--turbulence", "stream_x=1", "--realisations", 8, "-o", path)
+    with h5py.File(path) as file:
+        np.testing.assert_array_equal(samara.realise("immersed_body_in_gusts", LEAF, times, air, 8).mean, file["mean"][:])
     assert cloud.kept.shape == (2, 6, len(cloud.all_states)) and cloud.status.shape == (64,)
     assert len(cloud.landings) == (cloud.status == "landed").sum() and np.allclose(cloud.landings[:, 4], 0.3)
     alone = samara.realise("immersed_body_in_gusts", LEAF, times, air, 1, 7, first=1, keep=1)
@@ -341,7 +440,7 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
 
 def test_a_wind_from_a_pipe_is_read_once_beside_a_checkpoint_too(tmp_path):
     path, kept = tmp_path / "wind.toml", tmp_path / "cloud.checkpoint"
-    text = '[mean]\nspeed = "4 m/s"\nroughness = "3 cm"\n[turbulence]\nsigma = "0.8 m/s"\nlength = "5 m"\nmodes = 20\n'
+    text = MEADOW
     path.write_text(text)
 
     def cloud(air, count, **options):
@@ -398,7 +497,7 @@ def test_a_flow_is_the_arrays_of_its_file_and_bodies_fly_in_its_wake(tmp_path):
     np.testing.assert_array_equal(flow["k"][~body], k[~body])
     assert list(flow) == list(flow.units) and flow.units["k"] == "U^2" and flow.z is None
     assert flow.summary["reynolds"] == 10000 and flow.summary["message"]
-    with pytest.raises(samara.ArgumentError, match="vorticity"):
+    with pytest.raises(samara.UnknownNameError, match="vorticity"):
         flow["vorticity"]
     times = np.linspace(0, 0.05, 3)
     values = {"diameter": "4 mm", "mass": "20 mg", "x(0)": 0.2}
@@ -440,6 +539,8 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
     follows = motions.runs[1:] == motions.runs[:-1]
     np.testing.assert_array_equal(motions.ends[:-1][follows], motions.starts[1:][follows])
     motions.save(tmp_path / "leaf.h5")
+    with pytest.raises(samara.InputError, match="cannot write .*none/leaf.h5"):
+        motions.save(tmp_path / "none" / "leaf.h5")
     again = samara.Motions.open(tmp_path / "leaf.h5")
     np.testing.assert_array_equal(again.starts, motions.starts)
     places = np.column_stack([np.arange(20.0), np.zeros(20), np.full(20, 1.0)])
@@ -478,9 +579,14 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
             some.release(places, yaw)
     with pytest.raises(samara.ArgumentError, match="choice is"):
         samara.Bodies(motions, 3, choice="best")
-    with pytest.raises(samara.ArgumentError, match="count of bodies"):
-        samara.Bodies(motions, 0)
-    with pytest.raises(samara.ArgumentError, match="tries is 9"):
-        samara.Bodies(motions, 1, tries=9)
+    for more, text in [({"count": 0}, "count is 0, expected a whole number from 1 on"), ({"tries": 9}, "tries is 9"), ({"step": 0}, "step is 0 s"),
+                       ({"ramp": -1}, "ramp is -1 s, expected a finite number from 0 on"), ({"seed": None}, "seed is None")]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            samara.Bodies(motions, **{"count": 1, **more})
+    for call, text in [(lambda: some.advance("-1 ms"), "dt is -0.001 s, expected a finite number above 0"),
+                       (lambda: some.release([0, 0, np.nan]), "places: a number is nan"),
+                       (lambda: some.release([0, 0, 1], yaw=np.inf), "yaw: a number is inf")]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            call()
     with pytest.raises(samara.InputError, match="no.h5"):
         samara.Motions.open(tmp_path / "no.h5")
