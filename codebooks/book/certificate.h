@@ -14,7 +14,7 @@ namespace samara::codebooks {
 struct OutputError {
   std::string name;
   std::string unit;
-  double range = 0.0;   ///< max(range over the certificate's points and times, absolute tolerance), SI
+  double range = 0.0;   ///< what errors are divided by, SI
   double max = 0.0;     ///< over all points and times
   double p95 = 0.0;     ///< 95 % quantile over points of the largest error over times
   double mean = 0.0;    ///< mean over points of the largest error over times

@@ -7,7 +7,9 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "samara/codebooks/source/model_measure.h"
 #include "samara/pgd/evolution/slab_join.h"
+#include "samara/pgd/fields/error_scale.h"
 #include "samara/pgd/fields/field_algebra.h"
 #include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/train_points.h"
@@ -38,16 +40,16 @@ Eigen::MatrixXd values_of(const pgd::SeparatedField& sum, const Eigen::MatrixXd&
   return values;
 }
 
-/// What errors of every output are divided by: largest less smallest of its values, or its floor.
+/// What errors of every output are divided by.
 /// @param values outputs x points
 Eigen::VectorXd ranges(const Eigen::MatrixXd& values, const std::vector<pgd::OutputLabel>& outputs,
                        const CompactionRequest& request) {
-  Eigen::VectorXd range = values.rowwise().maxCoeff() - values.rowwise().minCoeff();
+  const Eigen::VectorXd floors = floors_of(request.absolute, outputs);
+  Eigen::VectorXd range =
+      pgd::error_scales(values.rowwise().minCoeff(), values.rowwise().maxCoeff(), {.floors = floors});
   for (Eigen::Index o = 0; o < range.size(); ++o) {
-    const auto floor = request.absolute.find(outputs[static_cast<std::size_t>(o)].name);
-    if (floor != request.absolute.end()) range[o] = std::max(range[o], floor->second);
-    // An output that is constant is held to its size, and nothing to nothing.
-    if (!(range[o] > 0.0)) range[o] = std::max(values.row(o).cwiseAbs().maxCoeff(), 1e-300);
+    // Nothing is held to nothing.
+    if (floors[o] == 0.0 && values.row(o).isZero(0.0)) range[o] = 1e-300;
   }
   return range;
 }

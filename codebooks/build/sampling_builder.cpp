@@ -54,16 +54,6 @@ std::string described(const SampledSource& source, const Eigen::VectorXd& point)
   return text;
 }
 
-/// Least ranges of the outputs.
-Eigen::VectorXd floors_of(const Plan& plan, const SampledSource& source) {
-  Eigen::VectorXd floors = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(source.outputs.size()));
-  for (std::size_t o = 0; o < source.outputs.size(); ++o) {
-    const auto floor = plan.absolute.find(source.outputs[o].name);
-    if (floor != plan.absolute.end()) floors[static_cast<Eigen::Index>(o)] = floor->second;
-  }
-  return floors;
-}
-
 /// The axis of time, and how many calls it took.
 struct PilotedMesh {
   TimeMesh mesh;
@@ -99,7 +89,7 @@ Outcome<PilotedMesh> mesh_by_pilots(const Plan& plan, CallMemory& calls, long ma
   };
   TimeMeshOptions options;
   options.tolerance = kTimeShare * plan.relative;
-  options.floors = floors_of(plan, source);
+  options.measure = source.measure;
   Outcome<TimeMesh> mesh = mesh_time({"t", source.time_unit, pgd::AxisRole::time}, plan.end, pilots, options);
   if (!mesh) return mesh.ending();
   return PilotedMesh{std::move(*mesh), used};
@@ -112,9 +102,8 @@ struct SampledOutputs {
   Eigen::VectorXd floors;
 };
 
-SampledOutputs outputs_of(const Plan& plan, const SampledSource& source,
-                          const std::optional<TimeMesh>& mesh) {
-  if (!mesh) return {source.outputs, {}, floors_of(plan, source)};
+SampledOutputs outputs_of(const SampledSource& source, const std::optional<TimeMesh>& mesh) {
+  if (!mesh) return {source.outputs, {}, source.measure.floors};
   SampledOutputs outputs;
   outputs.times.assign(mesh->axis.nodes().begin(), mesh->axis.nodes().end());
   for (const double t : outputs.times) {
@@ -132,7 +121,7 @@ pgd::SamplingResult sample_calls(const Plan& plan, CallMemory& calls, const std:
   std::vector<pgd::SampledCoordinate> coordinates;
   for (std::size_t k = 0; k < plan.box.size(); ++k)
     coordinates.push_back({calls.source().coordinates[k], plan.box[k].lower, plan.box[k].upper});
-  const SampledOutputs outputs = outputs_of(plan, calls.source(), mesh);
+  const SampledOutputs outputs = outputs_of(calls.source(), mesh);
   pgd::SamplingOptions options;
   options.tolerance = (mesh ? kSamplingShare : kSamplingShareWithoutTime) * plan.relative;
   options.absolute = outputs.floors;
@@ -170,14 +159,6 @@ pgd::TrainField with_time(const pgd::TrainField& sampled, const pgd::Axis& time,
   return {std::move(axes), outputs, std::move(train)};
 }
 
-/// Per output, what its errors are divided by: its range, at least the floor; of a constant, one.
-Eigen::VectorXd scale_of(const pgd::SamplingResult& result, const Plan& plan, const SampledSource& source,
-                         const std::optional<TimeMesh>& mesh) {
-  if (mesh) return mesh->scale;
-  const Eigen::VectorXd scale = result.range.cwiseMax(floors_of(plan, source));
-  return (scale.array() > 0.0).select(scale, 1.0);
-}
-
 /// Points of the box, each at some time.
 Eigen::MatrixXd with_times(const Eigen::MatrixXd& points, const std::optional<TimeMesh>& mesh,
                            std::uint64_t seed) {
@@ -197,7 +178,7 @@ pgd::RoundedField rounded_field(const pgd::SamplingResult& result, const Plan& p
   const double of_cross = mesh ? kSamplingShare : kSamplingShareWithoutTime;
   const double share =
       kRoundingShare * plan.relative + std::max(0.0, of_cross * plan.relative - result.error);
-  return pgd::rounded(field, scale_of(result, plan, source, mesh), std::ldexp(share, -refuted),
+  return pgd::rounded(field, mesh ? mesh->scale : result.scale, std::ldexp(share, -refuted),
                       plan.builder.seed, with_times(result.pivots, mesh, plan.builder.seed));
 }
 

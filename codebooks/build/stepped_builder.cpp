@@ -73,7 +73,7 @@ class SteppedBuild {
     try {
       trajectories_.tell("pilots", 0.0);
       pilots_ = corners_and_inside(plan_, kPilots, random_);
-      choose_step(trajectories_, pilots_, plan_.end, floors(), kShareOfStep * plan_.relative);
+      choose_step(trajectories_, pilots_, plan_.end, source_.measure, kShareOfStep * plan_.relative);
       choose_times();
       grid_.look_along_lines(random_);
       if (grid_.has_elements()) look_at_fronts();
@@ -103,7 +103,7 @@ class SteppedBuild {
     const Eigen::MatrixXd more = grid_.in_box(grid_.points_near_fronts(kPilots, random));
     const double step = trajectories_.step();
     trajectories_.set_step(4.0 * step);
-    choose_step(trajectories_, more, plan_.end, floors(), kShareOfStepAtFronts * plan_.relative);
+    choose_step(trajectories_, more, plan_.end, source_.measure, kShareOfStepAtFronts * plan_.relative);
     trajectories_.set_step(std::min(step, trajectories_.step()));
     pilots_.conservativeResize(Eigen::NoChange, pilots_.cols() + more.cols());
     pilots_.rightCols(more.cols()) = more;
@@ -121,7 +121,7 @@ class SteppedBuild {
     };
     TimeMeshOptions options;
     options.tolerance = kShareOfMesh * plan_.relative;
-    options.floors = floors();
+    options.measure = source_.measure;
     Outcome<TimeMesh> mesh =
         mesh_time({"t", source_.time_unit, pgd::AxisRole::time}, plan_.end, pilots, options);
     if (!mesh) throw SteppedEnd(mesh.ending());
@@ -131,16 +131,6 @@ class SteppedBuild {
     if (mesh_->resolved) return;
     throw SteppedEnd({Termination::not_resolved,
                       fmt::format("{} elements of time do not follow the motion", mesh_->axis.elements())});
-  }
-
-  /// Least ranges of the states.
-  Eigen::VectorXd floors() const {
-    Eigen::VectorXd floors = Eigen::VectorXd::Zero(states());
-    for (Index s = 0; s < states(); ++s) {
-      const auto floor = plan_.absolute.find(source_.outputs[static_cast<std::size_t>(s)].name);
-      if (floor != plan_.absolute.end()) floors[s] = floor->second;
-    }
-    return floors;
   }
 
   /// The first round is a coarse one: its pivots make the next cheaper, and its field is there if the calls end. Where

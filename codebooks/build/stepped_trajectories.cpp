@@ -50,17 +50,14 @@ namespace {
 
 /// Over the ranges of the states.
 double largest_difference(const Eigen::MatrixXd& fine, const Eigen::MatrixXd& coarse,
-                          const Eigen::VectorXd& floors) {
-  const Eigen::Index states = floors.size();
+                          const pgd::OutputMeasure& measure) {
+  const Eigen::Index states = measure.floors.size();
   const auto by_state = fine.reshaped(states, fine.size() / states);
   const Eigen::VectorXd difference =
       (by_state - coarse.reshaped(states, coarse.size() / states)).cwiseAbs().rowwise().maxCoeff();
-  const Eigen::VectorXd range = by_state.rowwise().maxCoeff() - by_state.rowwise().minCoeff();
-  double largest = 0.0;
-  for (Eigen::Index s = 0; s < states; ++s) {
-    if (difference[s] > 0.0) largest = std::max(largest, difference[s] / std::max(range[s], floors[s]));
-  }
-  return largest;
+  const Eigen::VectorXd scales =
+      pgd::error_scales(by_state.rowwise().minCoeff(), by_state.rowwise().maxCoeff(), measure);
+  return difference.cwiseQuotient(scales).maxCoeff();
 }
 
 /// Nothing where a trajectory is not finite: shorter steps may make it so.
@@ -79,7 +76,7 @@ std::optional<Eigen::MatrixXd> finite_values(SteppedTrajectories& trajectories, 
 /// The finer of two steps is kept. What it errs by follows from how fast differences fall: in the fourth order where f
 /// is smooth, slower at kinks.
 void choose_step(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilots, double end,
-                 const Eigen::VectorXd& floors, double tolerance) {
+                 const pgd::OutputMeasure& measure, double tolerance) {
   constexpr int kMostHalvings = 8;
   constexpr double kFourthOrder = 16.0;
   std::vector<double> times;
@@ -93,7 +90,7 @@ void choose_step(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilot
         is_last ? trajectories(pilots, times) : finite_values(trajectories, pilots, times);
     double error = std::numeric_limits<double>::infinity(), difference = 0.0;
     if (fine && coarse) {
-      difference = largest_difference(*fine, *coarse, floors);
+      difference = largest_difference(*fine, *coarse, measure);
       const double falls = std::min(before / difference, kFourthOrder);
       error = falls > 2.0 ? difference / (falls - 1.0) : difference;
     }

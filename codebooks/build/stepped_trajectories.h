@@ -10,6 +10,7 @@
 #include "samara/base/progress.h"
 #include "samara/base/termination.h"
 #include "samara/models/interface/parametric_model.h"
+#include "samara/pgd/fields/error_scale.h"
 
 namespace samara::codebooks {
 
@@ -54,10 +55,11 @@ class SteppedTrajectories {
 /// Steps of so many to the end of the time are the first to be tried.
 constexpr int kFirstSteps = 32;
 
-/// Halves the step until the pilots err by no more than the tolerance, over the ranges of the states.
-/// @param pilots coordinates x points  @param floors per state, its least range
+/// Halves the step until the pilots err by no more than the tolerance, over the ranges of the states
+/// (pgd/fields/error_scale.h).
+/// @param pilots coordinates x points
 /// @throws SteppedEnd where the steps would have to be too short
 void choose_step(SteppedTrajectories& trajectories, const Eigen::MatrixXd& pilots, double end,
-                 const Eigen::VectorXd& floors, double tolerance);
+                 const pgd::OutputMeasure& measure, double tolerance);
 
 }  // namespace samara::codebooks

@@ -123,16 +123,7 @@ class TimeRefinement {
     return error;
   }
 
-  Eigen::VectorXd scale() const {
-    constexpr double kRounding = 1e-10;  // below this share of its size, a range is that of a constant
-    Eigen::VectorXd scale = largest_ - smallest_;
-    for (Eigen::Index o = 0; o < scale.size(); ++o) {
-      const double size = std::max(std::abs(smallest_[o]), std::abs(largest_[o]));
-      if (!(scale[o] > kRounding * size)) scale[o] = size > 0.0 ? size : 1.0;
-    }
-    if (options_.floors.size() > 0) scale = scale.cwiseMax(options_.floors);
-    return scale;
-  }
+  Eigen::VectorXd scale() const { return pgd::error_scales(smallest_, largest_, options_.measure); }
 
   double relative(const Eigen::VectorXd& error) const { return error.cwiseQuotient(scale()).maxCoeff(); }
 

@@ -7,6 +7,7 @@
 
 #include "samara/base/termination.h"
 #include "samara/pgd/axes/axis.h"
+#include "samara/pgd/fields/error_scale.h"
 
 namespace samara::codebooks {
 
@@ -18,15 +19,15 @@ using PilotTrajectories =
 struct TimeMeshOptions {
   /// Largest interpolation error of an output between the nodes, over its scale, see TimeMesh.
   double tolerance = 1e-5;
-  Eigen::VectorXd floors = {};  ///< least range per output, in its unit; empty: none
-  int degree = 8;               ///< of the Chebyshev elements
+  pgd::OutputMeasure measure = {};  ///< of the outputs
+  int degree = 8;                   ///< of the Chebyshev elements
   int max_elements = 512;
 };
 
 struct TimeMesh {
   pgd::Axis axis;      ///< Chebyshev elements on [0, end]
   double error = 0.0;  ///< largest that is left, in the measure of the tolerance
-  /// Per output, largest less smallest value seen (of a constant its size, or 1), at least the floor.
+  /// Per output, what its errors are divided by (pgd/fields/error_scale.h), by the values seen.
   Eigen::VectorXd scale;
   bool resolved = false;  ///< error <= tolerance with the elements allowed
   int passes = 0;         ///< how often the pilots were asked for

@@ -17,6 +17,7 @@
 #include "samara/codebooks/certify/field_answers.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/certify/point_errors.h"
+#include "samara/codebooks/source/model_measure.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/pgd/sampling/error_climb.h"
 
@@ -24,11 +25,33 @@ namespace samara::codebooks {
 
 namespace {
 
-double integrator_tolerance(const CertifyOptions& options) {
+/// @param points of the box, from which to see how much the states move
+double integrator_tolerance(const models::ParametricModel& model, const Eigen::MatrixXd& points, double end,
+                            const CertifyOptions& options) {
   constexpr double kLoosest = 1e-10;
   constexpr double kTightest = 1e-13;  // CVODES cannot hold less in doubles
-  if (options.integrator_tolerance) return *options.integrator_tolerance;
-  return options.tolerance > 0.0 ? std::clamp(0.01 * options.tolerance, kTightest, kLoosest) : kLoosest;
+  if (!(options.tolerance > 0.0)) return kLoosest;
+  const auto& states = model.model().info().states;
+  std::vector<pgd::OutputLabel> labels;
+  for (const models::StateInfo& state : states) labels.push_back({state.name, state.unit});
+  const pgd::OutputMeasure measure{.floors = floors_of(options.absolute, labels),
+                                   .sizes = floors_of(options.sizes, labels)};
+  const double share = share_for_range(model, points, end, measure);
+  return std::clamp(0.01 * share * options.tolerance, kTightest, kLoosest);
+}
+
+/// The options with what a model knows.
+CertifyOptions completed(CertifyOptions options, const Codebook& book, const models::ParametricModel& model) {
+  constexpr int kPoints = 8;
+  const auto [lower, upper] = certificate_box(book);
+  const Eigen::VectorXd sizes = state_sizes(model, 0.5 * (lower + upper));
+  for (Eigen::Index s = 0; s < sizes.size(); ++s)
+    options.sizes.emplace(model.model().info().states[static_cast<std::size_t>(s)].name, sizes[s]);
+  if (!options.integrator_tolerance) {
+    options.integrator_tolerance = integrator_tolerance(
+        model, certificate_points(book, kPoints, options.seed), book.coordinates().front().upper, options);
+  }
+  return options;
 }
 
 /// One thread's tools.
@@ -36,7 +59,7 @@ struct Worker {
   Worker(const Codebook& book, const models::ParametricModel& model, const std::vector<double>& times,
          const CertifyOptions& options)
       : answers(book, times),
-        integrator(model, {.relative_tolerance = integrator_tolerance(options)}, false) {}
+        integrator(model, {.relative_tolerance = *options.integrator_tolerance}, false) {}
 
   CertifiedAnswers answers;
   models::Integrator integrator;
@@ -192,10 +215,11 @@ void check_points(const CertifyOptions& options) {
 
 }  // namespace
 
-Measured measure(const Codebook& book, const models::ParametricModel& model, const CertifyOptions& options,
+Measured measure(const Codebook& book, const models::ParametricModel& model, const CertifyOptions& asked,
                  Extent extent) {
-  check_points(options);
+  check_points(asked);
   check_fits(book, model);
+  const CertifyOptions options = completed(asked, book, model);
   const std::vector<int> states = states_of_outputs(book, model);
   const std::vector<double> times = certificate_times(book);
   tbb::task_arena arena(arena_size(options));
@@ -212,7 +236,7 @@ Measured measure(const Codebook& book, const models::ParametricModel& model, con
   };
   Measured result = measured(book, options, times, comparison, std::max(1, options.points / 50), extent);
   result.certificate.integrator = "CVODES, Adams, analytic derivatives";
-  result.certificate.integrator_tolerance = integrator_tolerance(options);
+  result.certificate.integrator_tolerance = *options.integrator_tolerance;
   return result;
 }
 

@@ -15,8 +15,10 @@ struct CertifyOptions {
   std::uint64_t seed = 2026;                    ///< of the scrambling
   double tolerance = 0.0;                       ///< wanted largest error, recorded and compared with
   std::map<std::string, double> absolute = {};  ///< floor of an output's range, SI
-  /// Relative, per step. Empty: a hundredth of `tolerance`, between 1e-13 and 1e-10, so that the certificate
-  /// measures the codebook and not the integrator.
+  /// Characteristic size of an output, SI: a range that is its rounding is none. Those of a model are known.
+  std::map<std::string, double> sizes = {};
+  /// Relative, per step. Empty: a hundredth of `tolerance` (less where an output moves by little of its size),
+  /// between 1e-13 and 1e-10, so that the certificate measures the codebook and not the integrator.
   std::optional<double> integrator_tolerance = {};
   int threads = 0;  ///< 0: all cores
   ProgressCallback progress = {};

@@ -8,6 +8,8 @@
 
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/query/trajectory_query.h"
+#include "samara/codebooks/source/model_measure.h"
+#include "samara/pgd/fields/error_scale.h"
 
 namespace samara::codebooks {
 
@@ -31,7 +33,7 @@ void take_largest(const ComparedPoints& points, int output, const std::vector<do
   }
 }
 
-/// Puts the points' errors of one output together. @param range of it, 0 where it is constant
+/// Puts the points' errors of one output together. @param range what its errors are divided by
 OutputError summarise(const ComparedPoints& points, const ComparedPoints& climbs, int output,
                       const pgd::OutputLabel& label, double range, const std::vector<double>& times,
                       std::optional<int> space) {
@@ -55,14 +57,13 @@ OutputError summarise(const ComparedPoints& points, const ComparedPoints& climbs
   take_largest(points, output, times, space, result);
   take_largest(climbs, output, times, space, result);
   result.range = range;
-  const double scale = range > 0.0 ? range : 1.0;
-  result.max = result.max_si / scale;
+  result.max = result.max_si / range;
   std::sort(largest.begin(), largest.end());
   double sum = 0.0;
   for (const double e : largest) sum += e;
-  result.mean = sum / static_cast<double>(largest.size()) / scale;
+  result.mean = sum / static_cast<double>(largest.size()) / range;
   result.p95 =
-      largest[static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(largest.size()))) - 1] / scale;
+      largest[static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(largest.size()))) - 1] / range;
   result.rms = value2 > 0.0 ? std::sqrt(error2 / value2) : std::sqrt(error2);
   return result;
 }
@@ -121,7 +122,7 @@ PointErrors compared_rows(const Eigen::MatrixXd& values, const Eigen::MatrixXd& 
 }
 
 double largest_over_scales(const PointErrors& point, const Eigen::VectorXd& scales) {
-  return point.max_error.cwiseQuotient((scales.array() > 0.0).select(scales, 1.0)).maxCoeff();
+  return point.max_error.cwiseQuotient(scales).maxCoeff();
 }
 
 CertifiedAnswers::CertifiedAnswers(const Codebook& book, const std::vector<double>& times)
@@ -173,12 +174,9 @@ Eigen::VectorXd error_scales(const std::vector<PointErrors>& errors, const Codeb
     smallest = smallest.size() == 0 ? point.smallest : smallest.cwiseMin(point.smallest).eval();
     largest = largest.size() == 0 ? point.largest : largest.cwiseMax(point.largest).eval();
   }
-  Eigen::VectorXd scales = largest - smallest;
-  for (Eigen::Index o = 0; o < scales.size(); ++o) {
-    const auto floor = options.absolute.find(book.outputs()[static_cast<std::size_t>(o)].name);
-    if (floor != options.absolute.end()) scales[o] = std::max(scales[o], floor->second);
-  }
-  return scales;
+  return pgd::error_scales(smallest, largest,
+                           {.floors = floors_of(options.absolute, book.outputs()),
+                            .sizes = floors_of(options.sizes, book.outputs())});
 }
 
 Certificate certificate_of(const ComparedPoints& points, const ComparedPoints& climbs, const Codebook& book,

@@ -57,8 +57,8 @@ class CertifiedAnswers {
   Eigen::VectorXd at_point_;
 };
 
-/// What the errors of every output are divided by: its range over points and times, at least its floor;
-/// empty where no point was compared.
+/// What the errors of every output are divided by (pgd/fields/error_scale.h), from its values over points and
+/// times; empty where no point was compared.
 Eigen::VectorXd error_scales(const std::vector<PointErrors>& errors, const Codebook& book,
                              const CertifyOptions& options);
 

@@ -20,7 +20,7 @@ void write_certificate(Hdf5Writer& file, const Certificate& c) {
   file.write_text_attribute(
       path, "definition",
       "error = largest |codebook - integrator| over points and times, divided by max(range of the "
-      "output, absolute tolerance)");
+      "output, absolute tolerance), or by the size of an output that is constant up to rounding");
   file.write_number_attribute(path, "tolerance", c.tolerance);
   file.write_integer_attribute(path, "met", c.met ? 1 : 0);
   file.write_number_attribute(path, "max_error", c.max_error);

@@ -13,6 +13,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
 #include "samara/codebooks/source/command_program.h"
+#include "samara/codebooks/source/model_measure.h"
 #include "samara/models/integrators/integrate.h"
 
 namespace samara::codebooks {
@@ -20,17 +21,33 @@ namespace samara::codebooks {
 namespace {
 
 /// Noise of the integrator would be taken for structure: far below the tolerance.
-double integrator_tolerance(const Plan& plan) {
-  return std::clamp(1e-4 * plan.relative, 1e-13, 1e-8);
+double integrator_tolerance(const Plan& plan, const models::ParametricModel& model,
+                            const pgd::OutputMeasure& measure) {
+  Eigen::MatrixXd points(static_cast<Eigen::Index>(plan.box.size()), 3);
+  for (Eigen::Index k = 0; k < points.rows(); ++k) {
+    const BoxEntry& entry = plan.box[static_cast<std::size_t>(k)];
+    points.row(k) << entry.lower, 0.5 * (entry.lower + entry.upper), entry.upper;
+  }
+  const double share = share_for_range(model, points, plan.end, measure);
+  return std::clamp(1e-4 * share * plan.relative, 1e-13, 1e-8);
+}
+
+Eigen::VectorXd centre_of(const Plan& plan) {
+  Eigen::VectorXd centre(static_cast<Eigen::Index>(plan.box.size()));
+  for (Eigen::Index k = 0; k < centre.size(); ++k) {
+    const BoxEntry& entry = plan.box[static_cast<std::size_t>(k)];
+    centre[k] = 0.5 * (entry.lower + entry.upper);
+  }
+  return centre;
 }
 
 /// Trajectories of the model at many points at a time.
 class Trajectories {
  public:
-  Trajectories(const Plan& plan, const models::ParametricModel& model)
+  Trajectories(const Plan& plan, const models::ParametricModel& model, double tolerance)
       : arena_(plan.builder.threads > 0 ? std::min(plan.builder.threads, tbb::info::default_concurrency())
                                         : tbb::info::default_concurrency()),
-        integrators_([tolerance = integrator_tolerance(plan), &model] {
+        integrators_([tolerance, &model] {
           return models::Integrator(model, {.relative_tolerance = tolerance}, false);
         }) {}
 
@@ -155,9 +172,12 @@ SampledSource model_source(const Plan& plan, const models::ParametricModel& mode
                                   plan.box[k].transform});
   }
   for (const auto& state : info.states) source.outputs.push_back({state.name, state.unit});
+  source.measure = {.floors = floors_of(plan.absolute, source.outputs),
+                    .sizes = state_sizes(model, centre_of(plan))};
   source.time_unit = models::time_unit(info);
   source.answers_name = "trajectory";
-  source.answers = [trajectories = std::make_shared<Trajectories>(plan, model)](
+  const double tolerance = integrator_tolerance(plan, model, source.measure);
+  source.answers = [trajectories = std::make_shared<Trajectories>(plan, model, tolerance)](
                        const Eigen::MatrixXd& points, const std::vector<double>& times) {
     return (*trajectories)(points, times);
   };
@@ -173,6 +193,7 @@ SampledSource command_source(const Plan& plan, const pgd::PointsFunction& functi
   }
   for (const CommandQuantity& output : plan.command->outputs)
     source.outputs.push_back({output.name, output.unit});
+  source.measure.floors = floors_of(plan.absolute, source.outputs);
   source.answers_name = "answer";
   const PlannedFunction planned(plan, function);
   source.answers = planned;

@@ -9,6 +9,7 @@
 #include "samara/codebooks/plan/plan.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/pgd/axes/axis.h"
+#include "samara/pgd/fields/error_scale.h"
 #include "samara/pgd/fields/separated_field.h"
 #include "samara/pgd/sampling/sampling.h"
 
@@ -25,6 +26,7 @@ struct SampledAnswers {
 struct SampledSource {
   std::vector<pgd::Axis::Label> coordinates;  ///< of the box, in its order
   std::vector<pgd::OutputLabel> outputs;
+  pgd::OutputMeasure measure;  ///< the plan's absolute tolerances, and what a model says of its states
   std::string time_unit = "s";
   std::string answers_name;  ///< what it gives, for messages: "trajectory"
   /// At points (coordinates x points) and times, which are empty where there is no time.

@@ -1,5 +1,6 @@
 #include "samara/pgd/evolution/adaptive_problem.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -26,6 +27,18 @@ Axis make_axis(const AdaptiveAxis& axis, int nodes) {
   const BasisTraits& basis = basis_traits(axis.basis);
   const int count = basis.odd_nodes ? nodes / 2 * 2 + 1 : nodes;
   return basis.over_interval(axis.label, axis.lower, axis.upper, count);
+}
+
+Eigen::VectorXd start_sizes(const AdaptiveProblem& problem) {
+  Eigen::VectorXd sizes(static_cast<Eigen::Index>(problem.initial.size()));
+  for (Eigen::Index s = 0; s < sizes.size(); ++s) {
+    const InitialValue& start = problem.initial[static_cast<std::size_t>(s)];
+    sizes[s] = std::abs(start.value);
+    if (start.axis < 0) continue;
+    const AdaptiveAxis& axis = problem.parameters[static_cast<std::size_t>(start.axis)];
+    sizes[s] = std::max(std::abs(axis.lower), std::abs(axis.upper));
+  }
+  return sizes;
 }
 
 void check_problem(const AdaptiveProblem& problem) {

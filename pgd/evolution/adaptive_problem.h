@@ -34,6 +34,9 @@ struct AdaptiveProblem {
 /// The axis with that many nodes; p2 and fourier axes take an odd number: the next one.
 Axis make_axis(const AdaptiveAxis& axis, int nodes);
 
+/// Per state the largest absolute value at the start, over the box.
+Eigen::VectorXd start_sizes(const AdaptiveProblem& problem);
+
 /// @throws ArgumentError naming the first axis of a basis that AdaptiveAxis does not name, or if there is no
 /// system, or its states, scales, floors and initial values differ in number or are impossible.
 void check_problem(const AdaptiveProblem& problem);

@@ -29,6 +29,7 @@ MarchContext::MarchContext(const AdaptiveProblem& problem, const SlabOptions& op
       options_(options),
       solver_(solver),
       scales_(scales),
+      start_sizes_(pgd::start_sizes(problem).cwiseQuotient(scales)),
       tolerance_(tolerance.wanted),
       most_lenient_(std::max(1.0, tolerance.largest / tolerance.wanted)),
       collocation_(*problem.system, scales, kTimePoints) {}

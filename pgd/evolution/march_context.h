@@ -31,6 +31,8 @@ class MarchContext {
   const AdaptiveProblem& problem() const { return problem_; }
   const SlabOptions& options() const { return options_; }
   const Eigen::VectorXd& scales() const { return scales_; }
+  /// The largest absolute value of every state at t = 0, in scales: an offset may be far larger than the range.
+  const Eigen::VectorXd& start_sizes() const { return start_sizes_; }
   int states() const { return static_cast<int>(scales_.size()); }
   const SlabTime& time() const { return collocation_.time(); }
   /// What a slab may add to the error, and by how much more, as a factor, one with a kink.
@@ -61,6 +63,7 @@ class MarchContext {
   const SlabOptions& options_;
   const SlabSolver& solver_;
   const Eigen::VectorXd scales_;
+  const Eigen::VectorXd start_sizes_;
   const double tolerance_;
   const double most_lenient_;
   const SlabCollocation collocation_;

@@ -14,6 +14,7 @@
 #include "samara/pgd/evolution/cross_collocation.h"
 #include "samara/pgd/evolution/guard_survey.h"
 #include "samara/pgd/evolution/slab_march.h"
+#include "samara/pgd/fields/error_scale.h"
 #include "samara/pgd/tensors/number_archive.h"
 #include "samara/pgd/tensors/train_points.h"
 
@@ -63,13 +64,15 @@ void validate(const AdaptiveProblem& problem) {
   }
 }
 
-/// Ranges of the states, at least their floors; of a state that does not move, its size or one.
-Eigen::VectorXd scales_of(const AdaptiveProblem& problem, const Eigen::VectorXd& ranges,
-                          const Eigen::VectorXd& fallback) {
-  Eigen::VectorXd scales = ranges;
+/// What errors of the states are divided by, where they have these ranges.
+Eigen::VectorXd scales_of(const AdaptiveProblem& problem, const Eigen::VectorXd& ranges) {
+  const Eigen::VectorXd starts = start_sizes(problem);
+  Eigen::VectorXd scales(ranges.size());
   for (Eigen::Index s = 0; s < scales.size(); ++s) {
-    scales[s] = std::max(scales[s], problem.scale_floors[static_cast<std::size_t>(s)]);
-    if (!(scales[s] > 1e-12 * fallback[s])) scales[s] = fallback[s];
+    const auto state = static_cast<std::size_t>(s);
+    scales[s] = error_scale({.range = ranges[s],
+                             .floor = problem.scale_floors[state],
+                             .size = std::max(problem.scales[state], starts[s])});
   }
   return scales;
 }
@@ -168,7 +171,7 @@ class Marches {
   bool prepare() {
     const GuardSurvey survey = survey_guards(problem_, options_, solver_, scales_, local_.wanted);
     result_.evaluations += survey.evaluations;
-    scales_ = scales_of(problem_, scales_.cwiseProduct(survey.ranges), first_scales_);
+    scales_ = scales_of(problem_, scales_.cwiseProduct(survey.ranges));
     const double expected = survey.growth / kPessimism * local_.wanted;
     if (expected > kClearly * options_.tolerance)
       lower(std::clamp(kAimed * options_.tolerance / expected, 0.05, 1.0));
@@ -184,7 +187,7 @@ class Marches {
     ++result_.marches;
     result_.evaluations += march.evaluations();
     result_.grid_evaluations += march.grid_evaluations();
-    const Eigen::VectorXd ranges = scales_of(problem_, scales_.cwiseProduct(march.ranges()), first_scales_);
+    const Eigen::VectorXd ranges = scales_of(problem_, scales_.cwiseProduct(march.ranges()));
     // Errors of this march in the ranges it has found.
     const double error = march.carried_error() * scales_.cwiseQuotient(ranges).maxCoeff();
     const bool complete = march.status() == Termination::converged;

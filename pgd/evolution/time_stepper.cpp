@@ -18,7 +18,7 @@ namespace {
 constexpr double kShareOfTime = 0.2;
 /// Proposals of the next length stay this far from the one that would just do.
 constexpr double kCaution = 0.9;
-/// States larger than this many scales belong to a solution that grows beyond all bounds.
+/// States that are larger than at the start by this many scales belong to a solution that grows beyond all bounds.
 constexpr double kBeyond = 1e4;
 /// Part of its own size by which a solution moves within the shortest element where it is about to end.
 constexpr double kOwnSize = 0.02;
@@ -60,6 +60,17 @@ TimeStepper::WorstPoint TimeStepper::error_in_time(const SlabPoints& element, do
   return worst;
 }
 
+/// By how many scales the states at every point become larger than any is at t = 0.
+Eigen::RowVectorXd TimeStepper::growth_of(const Eigen::MatrixXd& values) const {
+  const Eigen::VectorXd& starts = context_.start_sizes();
+  const Eigen::VectorXd all_starts = starts.replicate(values.rows() / starts.size(), 1);
+  return (values.cwiseAbs().colwise() - all_starts).colwise().maxCoeff();
+}
+
+bool TimeStepper::goes_too_far(const Eigen::MatrixXd& values) const {
+  return growth_of(values).maxCoeff() > kBeyond;
+}
+
 std::optional<Ending> TimeStepper::probe(SlabCell& cell, const Eigen::MatrixXd& start) {
   const SlabOptions& options = context_.options();
   const double whole = context_.problem().end;
@@ -87,7 +98,7 @@ std::optional<Ending> TimeStepper::probe(SlabCell& cell, const Eigen::MatrixXd& 
     const double tried = length >= left ? left : std::min(length, 0.5 * left);
     const double end = tried == left ? slab_end : slab.end() + tried;
     const SlabPoints solved = context_.solve({slab.end(), end}, slab.values.bottomRows(states), cell.guards);
-    const bool failed = solved.first_failed() >= 0 || solved.values.cwiseAbs().maxCoeff() > kBeyond;
+    const bool failed = solved.first_failed() >= 0 || goes_too_far(solved.values);
     const WorstPoint worst = failed ? WorstPoint() : error_in_time(solved, slab.end(), end, cell.guards);
     const double error = std::max(worst.error, 1e-300);
     const auto wanted = [&] { return kShareOfTime * cell.leniency * context_.tolerance(); };
@@ -147,7 +158,7 @@ std::optional<Ending> TimeStepper::shorten(SlabCell& cell, const Ending& why) {
   const Eigen::MatrixXd q =
       Eigen::Map<const Eigen::VectorXd>(why.where.data(), static_cast<Eigen::Index>(why.where.size()));
   const SlabPoints points = context_.solve(borders, values_at(cell.start, cell.axes, q), q);
-  const bool failed = points.first_failed() >= 0 || points.values.cwiseAbs().maxCoeff() > kBeyond;
+  const bool failed = points.first_failed() >= 0 || goes_too_far(points.values);
   return failed ? give_up(cell, borders[1] - borders[0], points, q) : why;
 }
 
@@ -167,7 +178,7 @@ Ending TimeStepper::give_up(const SlabCell& cell, double length, const SlabPoint
                             const Eigen::MatrixXd& q) const {
   Eigen::Index worst = points.first_failed();
   const bool failed = worst >= 0;
-  if (!failed) points.values.cwiseAbs().colwise().maxCoeff().maxCoeff(&worst);
+  if (!failed) growth_of(points.values).maxCoeff(&worst);
   const Eigen::VectorXd start = points.values.col(worst).head(context_.states());
   const bool unsolved = failed &&
                         points.status[static_cast<std::size_t>(worst)] == Termination::no_contraction &&

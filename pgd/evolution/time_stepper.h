@@ -38,6 +38,8 @@ class TimeStepper {
                  const Eigen::MatrixXd& q) const;
   Ending give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& start,
                          const Eigen::VectorXd& q) const;
+  Eigen::RowVectorXd growth_of(const Eigen::MatrixXd& values) const;
+  bool goes_too_far(const Eigen::MatrixXd& values) const;
   bool moves_by_its_size(double t, const Eigen::VectorXd& start, const Eigen::VectorXd& q,
                          double length) const;
 

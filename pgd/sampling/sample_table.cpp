@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/pgd/fields/error_scale.h"
 #include "samara/pgd/sampling/leja.h"
 
 namespace samara::pgd {
@@ -38,16 +39,7 @@ std::string SampledFunction::described(const Eigen::VectorXd& point) const {
 }
 
 Eigen::VectorXd SampledFunction::scale() const {
-  Eigen::VectorXd scale = range();
-  for (Eigen::Index m = 0; m < scale.size(); ++m) {
-    const double size = std::max(std::abs(smallest_[m]), std::abs(largest_[m]));
-    // Below this a range is the rounding of a constant. Above it a tolerance that rounding does not allow is
-    // missed, and said to be.
-    constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
-    if (!(scale[m] > kRounding * size)) scale[m] = size > 0.0 ? size : 1.0;
-    if (options_.absolute.size() > 0) scale[m] = std::max(scale[m], options_.absolute[m]);
-  }
-  return scale;
+  return error_scales(smallest_, largest_, {.floors = options_.absolute});
 }
 
 void SampledFunction::check_limits(Eigen::Index more) {

@@ -203,6 +203,7 @@ class Sampling {
     if (!options_.challenge) return true;
     result_.calls = function_.calls();
     result_.range = function_.range();
+    result_.scale = function_.scale();
     result_.pivots = cross_->pivots();
     const Eigen::MatrixXd wrong = options_.challenge(result_);
     if (wrong.cols() == 0) return true;
@@ -350,6 +351,7 @@ class Sampling {
     result_.calls = function_.calls();
     result_.seconds = function_.seconds();
     result_.range = function_.range();
+    result_.scale = function_.scale();
     if (cross_) {
       result_.grid_size = 1.0;
       for (const int n : cross_->nodes()) result_.grid_size *= n;

@@ -60,7 +60,7 @@ struct SamplingResult;
 
 struct SamplingOptions {
   /// Largest error of an output at a check point, over the range of that output's values seen (over its size
-  /// where the range is the rounding of a constant).
+  /// where the range is the rounding of a constant, see fields/error_scale.h).
   double tolerance = 1e-4;
   /// Floor per output for the range it is divided by, in the output's unit; empty: none.
   Eigen::VectorXd absolute = {};
@@ -103,6 +103,7 @@ struct SamplingResult {
   long calls = 0;          ///< distinct points
   double grid_size = 0.0;  ///< points of the grid the crosses lie in
   Eigen::VectorXd range;   ///< per output, largest less smallest value seen
+  Eigen::VectorXd scale;   ///< per output, what errors are divided by (fields/error_scale.h)
   /// Root mean square of what neighbouring points do not share, over the scale, the largest output; nothing
   /// where the build gave no reason to look for it.
   std::optional<double> noise;

@@ -173,6 +173,18 @@ TEST_CASE("an absolute tolerance is the least range that errors are divided by")
   CHECK(large.outputs[1].range == plain.outputs[1].range);
 }
 
+TEST_CASE("what is nothing beside the characteristic size of a state is held to that size") {
+  // A size is declared beside which all the speeds are rounding.
+  const Codebook book = perturbed(
+      0.02, [](double) { return 1.0; }, [](double) { return 1.0; });
+  const Certificate plain = certificate_of(book, {.points = 50, .tolerance = 1.0});
+  const double size = 1e13 * plain.outputs[0].range;
+  const Certificate small = certificate_of(book, {.points = 50, .tolerance = 1.0, .sizes = {{"v", size}}});
+  CHECK(small.outputs[0].range == size);
+  CHECK_THAT(small.outputs[0].max, WithinRel(0.02 / size, 1e-6));
+  CHECK(small.outputs[1].range == plain.outputs[1].range);
+}
+
 TEST_CASE("times are finer than the builder's, and hold both ends") {
   const Certificate certificate = certificate_of(exact(), {.points = 1});
   CHECK(certificate.times > 2 * time_axis().size());

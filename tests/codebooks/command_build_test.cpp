@@ -63,6 +63,14 @@ TEST_CASE("a plan of a command names its call, its inputs and outputs, and may h
   CHECK_THAT(error_text<samara::ArgumentError>([&] { plan.parametric_model(); }), Contains("has no model"));
 }
 
+TEST_CASE("an output that is constant up to rounding is met, and counts by its size") {
+  const BuildResult result =
+      build(plan_of("{ printf \"%.17g %.17g\\n\", exp(-$1 * $2), 3.7 * ($1 + $2) / ($1 + $2) }"));
+  INFO(result.message << "; " << result.book.build().message);
+  CHECK(result.met);
+  CHECK_THAT(result.book.certificate()->outputs[1].range, Catch::Matchers::WithinRel(3.7, 1e-12));
+}
+
 TEST_CASE("a command without time becomes a codebook without time, in the order of the box") {
   const BuildResult& result = timeless();
   INFO(result.message << "; " << result.book.build().message);

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -100,6 +101,59 @@ TEST_CASE("text and C++ end in the same codebook") {
     from_text.values(point, a);
     from_law.values(point, b);
     CHECK((a - b).cwiseAbs().maxCoeff() < 2e-5 * 20.0);  // both within 1e-5 of ranges below 20
+  }
+}
+
+TEST_CASE("a state that is constant up to rounding is met, by its size or the absolute tolerance") {
+  const std::string equations = R"([equations]
+name = "decay"
+states.x = { initial = 1 }
+states.c = { initial = 3 }
+parameters.k = { unit = "1" }
+rates.x = "-k*x"
+rates.c = "(k + 0.1)*x - k*x - 0.1*x"
+[box]
+k = [1, 3]
+[time]
+end = 1
+[tolerance]
+relative = 1e-4
+)";
+  for (const std::string kind : {"auto", "pgd"}) {
+    const std::string builder = "[builder]\nkind = '" + kind + "'\n";
+    for (const std::string absolute : {"", "absolute = { c = 1e-3 }\n"}) {
+      const BuildResult result = build(parse_plan(equations + absolute + builder, "decay.toml"), few());
+      CAPTURE(kind, absolute, result.message);
+      CHECK(result.met);
+      const double scale = result.book.certificate()->outputs[1].range;
+      CHECK(scale == Approx(absolute.empty() ? 3.0 : 1e-3));
+    }
+  }
+}
+
+TEST_CASE("a range that is small against its offset is met where doubles allow it") {
+  const std::string plan = R"toml([equations]
+name = "swing"
+states.x = { initial = 1e4 }
+parameters.k = { unit = "1" }
+rates.x = "1e-3*sin(k*t)"
+[box]
+k = [1, 3]
+[time]
+end = 3
+[tolerance]
+relative = 1e-4
+[builder]
+)toml";
+  for (const std::string kind : {"sampling", "pgd"}) {
+    const BuildResult result = build(parse_plan(plan + "kind = '" + kind + "'\n", "swing.toml"), few());
+    CAPTURE(kind, result.message);
+    REQUIRE(result.met);
+    Query query(result.book);
+    Eigen::VectorXd x(1);
+    query.values(std::vector{3.0, 2.0}, x);
+    // Of a range of 2e-3.
+    CHECK(x[0] - 1e4 == Approx(1e-3 * (1.0 - std::cos(6.0)) / 2.0).margin(2e-7));
   }
 }
 

@@ -65,8 +65,8 @@ TEST_CASE("a mesh of time follows all pilots between its nodes, with short eleme
 TEST_CASE("errors on a mesh of time count by the range, and by the floor where that is larger") {
   const PilotTrajectories pilots = decays({50.0});
   const TimeMesh fine = *mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6});
-  const TimeMesh coarse =
-      *mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6, .floors = Eigen::Vector2d(1e4, 0.0)});
+  const TimeMesh coarse = *mesh_time(kTimeAxis, 1.0, pilots,
+                                     {.tolerance = 1e-6, .measure = {.floors = Eigen::Vector2d(1e4, 0.0)}});
   CHECK(coarse.axis.elements() < fine.axis.elements());
   CHECK(coarse.scale[0] == 1e4);
   CHECK(std::abs(fine.scale[0] - 1.0) < 1e-12);

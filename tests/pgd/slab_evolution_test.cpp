@@ -1,3 +1,4 @@
+#include <cmath>
 #include <numeric>
 
 #include <catch2/catch.hpp>
@@ -42,6 +43,28 @@ TEST_CASE("a box in which the solution ends reports when and where, and keeps wh
   CHECK(result.where[2] == Approx(1.0).margin(0.02));
   REQUIRE(!result.pieces.empty());
   for (const TrainField& field : result.pieces) CHECK(field.axes()[0].upper() <= result.reached);
+}
+
+TEST_CASE("an offset that is large against the range is no growth") {
+  // x' = c (s + 1 - x): from s towards s + 1, by less than 0.002 until t = 1.
+  constexpr double kStart = 1e5;
+  const System system(
+      1, [](const Vector& x, const Vector& q) { return Vector(q * (kStart + 1.0 - x[0])); },
+      [](const Vector&, const Vector& q) { return Matrix(-q); });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "1", AxisRole::time};
+  problem.end = 1.0;
+  problem.parameters = {{{"c", "1"}, 1e-3, 2e-3}};
+  problem.states = {{"x", "1"}};
+  problem.initial = {{kStart, -1}};
+  problem.scales = {1.0};
+  problem.scale_floors = {0.0};
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-4});
+  CAPTURE(result.message);
+  REQUIRE(result.status == samara::Termination::converged);
+  const double value = result.pieces.back()(std::vector{1.0, 1.5e-3})[0];
+  CHECK(value - kStart == Approx(-std::expm1(-1.5e-3)).epsilon(1e-4));
 }
 
 TEST_CASE("where neighbours part, cells go on, and without them the march ends with the axis") {
