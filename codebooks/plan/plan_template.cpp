@@ -3,16 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/number_text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/io/toml_edit.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/interface/parametric_model.h"
 
 namespace samara::codebooks {
 
@@ -46,13 +51,14 @@ constexpr std::array<Sample, 22> kByName = {{{"density", 1200.0},
                                              {"width", 2e-2},
                                              {"height", 1e-3},
                                              {"length", 0.1}}};
-constexpr std::array<Sample, 8> kByUnit = {{{"kg", 1e-2},
+constexpr std::array<Sample, 9> kByUnit = {{{"kg", 1e-2},
                                             {"m", 1e-2},
                                             {"m^2", 1e-3},
                                             {"kg m^2", 1e-5},
                                             {"kg/m^3", 1000.0},
                                             {"K", 300.0},
                                             {"W/(m K)", 40.0},
+                                            {"J/(m^3 K)", 3e6},
                                             {"m/s", 1.0}}};
 
 double sample_of(const models::ParameterInfo& parameter) {
@@ -112,20 +118,41 @@ std::string tail(double end, const std::string& time_unit) {
       number_text(end, 3), comment_of(time_unit, "from 0"));
 }
 
-/// The parameters of [fixed] and of [box].
-std::string coordinates(const models::ModelInfo& info, const std::string& free_name) {
+/// What is free, from .. to.
+struct Interval {
+  std::string name;
+  double lower = 0.0, upper = 0.0;
+};
+
+Interval interval_of(const models::ParameterInfo& parameter) {
+  const double value = sample_of(parameter);
+  double lower = 0.9 * value, upper = 1.1 * value;
+  if (value == 0.0) upper = 0.1;
+  if (lower > upper) std::swap(lower, upper);
+  return {parameter.name, lower, std::min(upper, parameter.upper)};
+}
+
+Interval interval_of(const models::StateInfo& state) {
+  return {state.name + "(0)", state.default_initial - 0.1, state.default_initial + 0.1};
+}
+
+std::string line(const Interval& interval, const std::string& comment) {
+  return line(interval.name,
+              fmt::format("[{}, {}]", number_text(interval.lower, 6), number_text(interval.upper, 6)),
+              comment);
+}
+
+/// The parameters of [fixed] and of [box]. @param driven gets a value, whatever its default; empty: none
+std::string coordinates(const models::ModelInfo& info, const std::string& free_name,
+                        const std::string& driven = "") {
   std::string fixed = "\n[fixed]  # SI numbers, or with a unit: \"1.5 mm\"\n", box;
   for (const models::ParameterInfo& parameter : info.parameters) {
     const double value = sample_of(parameter);
     const std::string comment = comment_of(parameter.unit, parameter.description);
     if (parameter.name == free_name) {
-      double lower = 0.9 * value, upper = 1.1 * value;
-      if (value == 0.0) upper = 0.1;
-      if (lower > upper) std::swap(lower, upper);
-      box = line(
-          parameter.name,
-          fmt::format("[{}, {}]", number_text(lower, 6), number_text(std::min(upper, parameter.upper), 6)),
-          comment);
+      box = line(interval_of(parameter), comment);
+    } else if (parameter.name == driven) {
+      fixed += line(parameter.name, "10", comment);
     } else if (is_required(parameter)) {
       fixed += line(parameter.name, number_text(value), comment);
     } else {
@@ -140,6 +167,36 @@ std::string coordinates(const models::ModelInfo& info, const std::string& free_n
   return fixed + "\n[box]  # what is free, from .. to\n" + box;
 }
 
+/// With one digit.
+double rounded(double time) {
+  const double power = std::pow(10.0, std::floor(std::log10(time)));
+  return std::round(time / power) * power;
+}
+
+/// Whether trajectories from both ends and the middle of the interval go on to the end.
+bool trajectories_reach(double end, const models::Model& model, const Interval& free) {
+  std::map<std::string, double> fixed;
+  for (const models::ParameterInfo& parameter : model.info().parameters)
+    if (is_required(parameter) && parameter.name != free.name) fixed[parameter.name] = sample_of(parameter);
+  const std::shared_ptr<const models::Model> shared(std::shared_ptr<void>(), &model);
+  const models::ParametricModel parametric(shared, fixed, {free.name});
+  models::Integrator integrator(parametric, {.relative_tolerance = 1e-6}, false);
+  const auto reaches = [&](double q) { return integrator(std::array{q}, std::array{0.0, end}).is_usable(); };
+  return reaches(free.lower) && reaches(0.5 * (free.lower + free.upper)) && reaches(free.upper);
+}
+
+/// The time, or what is left of it by halving, that solutions of finite time all have.
+double reached_end(double end, const models::Model& model, const Interval& free) {
+  constexpr int kMostHalvings = 8;
+  try {
+    for (int halving = 0; halving < kMostHalvings && !trajectories_reach(end, model, free); ++halving)
+      end = rounded(0.5 * end);
+  } catch (const Error&) {
+    // What must be said of such a model first is the reader's to say.
+  }
+  return end;
+}
+
 /// A round number of the model's own time, two of them.
 double end_of(const models::Model& model, const std::string& free_name) {
   models::ParameterValues values;
@@ -150,8 +207,7 @@ double end_of(const models::Model& model, const std::string& free_name) {
   values.value = model.completed(values);
   const double time = 2.0 * model.scales(values).time;
   if (!(time > 0.0) || !std::isfinite(time)) return 1.0;
-  const double power = std::pow(10.0, std::floor(std::log10(time)));
-  return std::round(time / power) * power;
+  return rounded(time);
 }
 
 }  // namespace
@@ -159,23 +215,19 @@ double end_of(const models::Model& model, const std::string& free_name) {
 std::string plan_template(const models::Model& model, const std::string& name) {
   const models::ModelInfo& info = model.info();
   std::string text = head(info, name);
-  std::string free_name;
+  std::optional<Interval> free;
   if (!info.parameters.empty()) {
-    free_name = freed(info.parameters).name;
-    text += coordinates(info, free_name);
+    free = interval_of(freed(info.parameters));
+    text += coordinates(info, free->name);
   } else {
     text += "\n[box]  # what is free, from .. to\n";
   }
-  bool is_first = info.parameters.empty();
   for (const models::StateInfo& state : info.states) {
-    const double value = state.default_initial;
-    const std::string ends =
-        fmt::format("[{}, {}]", number_text(value - 0.1, 6), number_text(value + 0.1, 6));
-    text +=
-        (is_first ? "" : "# ") + line(state.name + "(0)", ends, comment_of(state.unit, state.description));
-    is_first = false;
+    text += (free ? "# " : "") + line(interval_of(state), comment_of(state.unit, state.description));
+    if (!free) free = interval_of(state);
   }
-  return text + tail(end_of(model, free_name), models::time_unit(info));
+  const double end = reached_end(end_of(model, free->name), model, *free);
+  return text + tail(end, models::time_unit(info));
 }
 
 std::string plan_template(const models::FieldModel& field) {
@@ -183,7 +235,13 @@ std::string plan_template(const models::FieldModel& field) {
   std::vector<models::ParameterInfo> free;
   for (const models::ParameterInfo& parameter : field.info.parameters)
     if (parameter.name != field.extent) free.push_back(parameter);
-  text += coordinates(field.info, freed(free).name);
+  // Where all that a field is linear in is zero, so is the field.
+  const auto is_zero = [&](const models::ParameterInfo& parameter) {
+    return std::ranges::find(field.linear_in, parameter.name) == field.linear_in.end() ||
+           parameter.default_value == 0.0;
+  };
+  const bool is_nothing = !field.linear_in.empty() && std::ranges::all_of(free, is_zero);
+  text += coordinates(field.info, freed(free).name, is_nothing ? field.linear_in.back() : "");
   return text + tail(60.0, models::time_unit(field.info));
 }
 

@@ -413,3 +413,11 @@ TEST_CASE("the plan to begin with is a plan, for every model") {
   for (const std::string& name : samara::models::field_model_names())
     CHECK(parsed(plan_template(*samara::models::find_field_model(name))).field != nullptr);
 }
+
+TEST_CASE("the plan to begin with ends before its solutions do, and its field is not zero everywhere") {
+  // From rest the coupled products with c1 = 0.9 blow up at t = 1.44.
+  const Plan plan = parsed(plan_template(*samara::models::find_model("coupled_triple"), "coupled_triple"));
+  CHECK(plan.end == 1.0);
+  CHECK(parsed(plan_template(*samara::models::find_model("constant_rate"), "constant_rate")).end == 2.0);
+  CHECK(parsed(plan_template(*samara::models::find_field_model("heat_rod"))).fixed.at("amplitude") > 0.0);
+}
