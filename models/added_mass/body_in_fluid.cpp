@@ -81,15 +81,24 @@ TriangleMesh describe(const BodyDescription& description, BodyInFluid& result) {
   return mesh;
 }
 
-void add_panels(const TriangleMesh& mesh, const ProgressCallback& progress, BodyInFluid& result) {
+/// The mesh of a file is made to show a shape, which a few large triangles do: the flow about it takes as many panels
+/// as those of plates and ellipsoids have.
+constexpr int kFewestPanels = 2000;
+
+void add_panels(const TriangleMesh& given, const ProgressCallback& progress, BodyInFluid& result) {
   PanelOptions options;
   options.progress = progress;
+  const bool divides = result.shape == BodyShape::mesh && given.triangles.cols() < kFewestPanels;
+  const TriangleMesh mesh = divides ? divided(given, kFewestPanels) : given;
   const PanelAddedMass panels =
       panel_added_mass(mesh, result.fluid_density, result.body.centre_of_mass, options);
   if (!panels.is_usable()) throw NoResultError(fmt::format("no added mass: {}", panels.message));
-  result.panels =
-      fmt::format("added mass by {} panels: {}; before it was made symmetric its entries differed by {:.1g}",
-                  panels.panels, panels.message, panels.asymmetry);
+  result.panels = fmt::format(
+      "added mass by {} panels{}: {}; before it was made symmetric its entries differed by {:.1g}",
+      panels.panels,
+      divides ? fmt::format(", into which the {} triangles were divided", given.triangles.cols())
+              : std::string(),
+      panels.message, panels.asymmetry);
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = result.body.principal.axes;
   result.added_mass = turn.transpose() * panels.matrix * turn;

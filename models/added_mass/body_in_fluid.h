@@ -26,6 +26,7 @@ struct BodyInFluid {
   std::vector<std::string> warnings = {};  ///< of what looks like a mistake of units
 };
 
+/// The triangles of a mesh are divided for its panels, where there are fewer than 2000 (divided(), triangle_mesh.h).
 /// @throws ArgumentError for sizes or densities that are no positive numbers, another number of sizes than the shape
 ///   has, a mesh without a unit, a shape with one, panels of a disc; InputError for a mesh file that is none or not
 ///   closed; NoResultError where panels have no solution

@@ -104,11 +104,13 @@ SixColumns solve(const PanelSystem& system, const PanelOptions& options, PanelAd
   return phi;
 }
 
-/// Largest difference from symmetry, in the measure of the diagonal.
+/// Largest difference from symmetry, in the measure of the diagonal. @param K of a body of size 1
 double asymmetry_of(const Matrix6d& K) {
-  // Blocks have different units: lengths are 1 here. A vanishing entry is round-off against the largest.
-  const Eigen::Array<double, 6, 1> size =
-      K.diagonal().array().abs().max(1e-12 * K.diagonal().cwiseAbs().maxCoeff()).sqrt();
+  // A turn that moves no fluid (of a sphere) has no measure of its own: that of the motion that drags least along, at
+  // the body's size from the axis, is the least.
+  Eigen::Array<double, 6, 1> size = K.diagonal().array().abs();
+  const double least = std::max(size.head<3>().minCoeff(), 1e-12 * size.maxCoeff());
+  size = size.max(least).sqrt();
   return ((K - K.transpose()).array() / (size.matrix() * size.matrix().transpose()).array()).abs().maxCoeff();
 }
 

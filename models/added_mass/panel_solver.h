@@ -65,8 +65,10 @@ struct PanelAddedMass {
   Termination status = Termination::failed;
   /// Symmetric; linear motions first; kg, kg m, kg m^2. About the reference point, in the mesh's axes.
   Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
-  /// Largest |K_ij - K_ji| / sqrt(K_ii K_jj) before it was made symmetric: a lower bound on the order of the
-  /// error of the discretisation. (Zero also on meshes with the symmetries of an ellipsoid.)
+  /// Largest |K_ij - K_ji| / sqrt(K_ii K_jj) before it was made symmetric, about the mesh's middle: a lower bound on
+  /// the order of the error of the discretisation. (Zero also on meshes with the symmetries of an ellipsoid.) The
+  /// diagonal of a turn, which vanishes for a sphere, counts as at least l^2 times the smallest of the linear motions,
+  /// l half the body's largest extent.
   double asymmetry = 0.0;
   int panels = 0;
   int unknowns = 0;

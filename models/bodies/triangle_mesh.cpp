@@ -172,6 +172,39 @@ void require_oriented_parts(const TriangleMesh& mesh, const std::vector<Part>& p
   }
 }
 
+/// Side k of a triangle is that from its corner k to the next.
+struct TriangleSide {
+  Index triangle = 0;
+  int k = 0;
+};
+
+/// Of the first `count` triangles. Sides that are equal but for round-off must not be told apart by it: the first wins.
+TriangleSide longest_side(const TriangleMesh& mesh, Index count) {
+  TriangleSide longest;
+  double largest = 0.0;
+  for (Index i = 0; i < count; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double squared =
+          (mesh.vertices.col(mesh.triangles(k, i)) - mesh.vertices.col(mesh.triangles((k + 1) % 3, i)))
+              .squaredNorm();
+      if (!(squared > largest * (1.0 + 1e-9))) continue;
+      largest = squared;
+      longest = {i, k};
+    }
+  }
+  return longest;
+}
+
+/// The same side as its other triangle runs through it. @throws ArgumentError if there is none
+TriangleSide other_side(const TriangleMesh& mesh, Index count, int from, int to) {
+  for (Index i = 0; i < count; ++i) {
+    for (int k = 0; k < 3; ++k)
+      if (mesh.triangles(k, i) == to && mesh.triangles((k + 1) % 3, i) == from) return {i, k};
+  }
+  refuse(
+      fmt::format("it is not closed: the edge from corner {} to {} belongs to one triangle only", from, to));
+}
+
 }  // namespace
 
 double enclosed_volume(const TriangleMesh& mesh) {
@@ -184,6 +217,29 @@ double enclosed_volume(const TriangleMesh& mesh) {
 
 TriangleMesh oriented_outward(TriangleMesh mesh) {
   if (enclosed_volume(mesh) < 0.0) mesh.triangles.row(1).swap(mesh.triangles.row(2));
+  return mesh;
+}
+
+TriangleMesh divided(TriangleMesh mesh, int triangles) {
+  Index count = mesh.triangles.cols(), corners = mesh.vertices.cols();
+  if (count == 0 || count >= triangles) return mesh;
+  // Each step makes two triangles and one corner.
+  const Index steps = (triangles - count + 1) / 2;
+  mesh.triangles.conservativeResize(3, count + 2 * steps);
+  mesh.vertices.conservativeResize(3, corners + steps);
+  for (Index step = 0; step < steps; ++step) {
+    const TriangleSide one = longest_side(mesh, count);
+    const int from = mesh.triangles(one.k, one.triangle), to = mesh.triangles((one.k + 1) % 3, one.triangle);
+    const TriangleSide other = other_side(mesh, count, from, to);
+    mesh.vertices.col(corners) = 0.5 * (mesh.vertices.col(from) + mesh.vertices.col(to));
+    for (const TriangleSide& side : {one, other}) {
+      Eigen::Vector3i second = mesh.triangles.col(side.triangle);
+      second(side.k) = static_cast<int>(corners);
+      mesh.triangles((side.k + 1) % 3, side.triangle) = static_cast<int>(corners);
+      mesh.triangles.col(count++) = second;
+    }
+    ++corners;
+  }
   return mesh;
 }
 

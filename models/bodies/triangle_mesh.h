@@ -18,6 +18,11 @@ double enclosed_volume(const TriangleMesh& mesh);
 /// The same surface with all triangles turned over if it is inside out.
 TriangleMesh oriented_outward(TriangleMesh mesh);
 
+/// The same surface in at least that many triangles: the longest side of all is halved, and with it the two triangles
+/// that it belongs to, again and again. Facets stay flat, and long thin triangles become shorter ones first.
+/// @param mesh closed (require_closed)
+TriangleMesh divided(TriangleMesh mesh, int triangles);
+
 /// Refuses what encloses no volume.
 ///
 /// A separate part may be inside out as the wall of a cavity: its bounding box must lie within that of a part

@@ -43,6 +43,29 @@ TriangleMesh bent_body(int divisions) {
   return mesh;
 }
 
+/// A sphere by meridians and parallels, all quadrangles cut the same way: without mirror planes.
+TriangleMesh globe(int meridians, int parallels) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 2 + meridians * (parallels - 1));
+  mesh.triangles.resize(3, 2 * meridians * (parallels - 1));
+  mesh.vertices.col(0) = Vector3d::UnitZ();
+  mesh.vertices.rightCols<1>() = -Vector3d::UnitZ();
+  const auto corner = [&](int i, int j) { return 1 + (i - 1) * meridians + j % meridians; };
+  Eigen::Index count = 0;
+  for (int j = 0; j < meridians; ++j) {
+    for (int i = 1; i < parallels; ++i) {
+      const double theta = std::numbers::pi * i / parallels, phi = 2.0 * std::numbers::pi * j / meridians;
+      mesh.vertices.col(corner(i, j)) << std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+          std::cos(theta);
+      const int below = i + 1 < parallels ? corner(i + 1, j + 1) : static_cast<int>(mesh.vertices.cols()) - 1;
+      mesh.triangles.col(count++) << corner(i, j), below, corner(i, j + 1);
+      if (i + 1 < parallels) mesh.triangles.col(count++) << corner(i, j), corner(i + 1, j), below;
+    }
+    mesh.triangles.col(count++) << 0, corner(1, j), corner(1, j + 1);
+  }
+  return mesh;
+}
+
 /// K in axes turned by R (columns: the old axes in the new frame).
 Matrix6d turned(const Matrix6d& K, const Eigen::Matrix3d& R) {
   Matrix6d Q = Matrix6d::Zero();
@@ -120,6 +143,26 @@ TEST_CASE(
     CHECK(K.matrix == K.matrix.transpose());
     CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K.matrix).eigenvalues().minCoeff() > 0.0);
   }
+}
+
+TEST_CASE("the asymmetry of a good mesh is small, also where turns move no fluid") {
+  // Measured by what the turns drag along, which is nothing, it was 300.
+  const TriangleMesh sphere = globe(32, 16);
+  const PanelAddedMass K = panel_added_mass(sphere, 1.0);
+  CHECK(K.panels == 960);
+  CHECK(K.asymmetry < 1e-3);
+  TriangleMesh small = sphere;
+  small.vertices *= 1e-3;
+  CHECK_THAT(panel_added_mass(small, 1.0).asymmetry, WithinAbs(K.asymmetry, 1e-6));
+  CHECK(panel_added_mass(globe(5, 3), 1.0).asymmetry > 5.0 * K.asymmetry);
+}
+
+TEST_CASE("a box of twelve triangles that are divided has the added mass of a good mesh") {
+  // It was 0.44 to 0.67 of it. Panels of one size lack a per cent or two at edges, where box_mesh has smaller ones.
+  const Vector3d sides(0.04, 0.02, 0.01);
+  const Matrix6d K = panel_added_mass(divided(box_mesh(sides, 1, 1), 2000), 1000.0).matrix,
+                 good = panel_added_mass(box_mesh(sides, 16, 16, 16), 1000.0).matrix;
+  for (int i = 0; i < 6; ++i) CHECK_THAT(K(i, i), WithinRel(good(i, i), 0.03));
 }
 
 TEST_CASE("the added mass about another point follows from the same kinetic energy") {

@@ -1,5 +1,6 @@
 #include "samara/models/bodies/triangle_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -162,4 +163,31 @@ TEST_CASE(
   CHECK_THROWS_WITH(box_mesh({1.0, 1.0, 0.0}, 1, 1), Contains("side along z [m] is 0"));
   CHECK_THROWS_WITH(ellipsoid_mesh(s, 0), Contains("number of rings is 0"));
   CHECK_THROWS_WITH(icosahedral_ellipsoid_mesh({1, -1, 1}, 2), Contains("semi-axis along y [m] is -1"));
+}
+
+TEST_CASE("a mesh is divided into as many triangles as are asked for, and stays the same surface") {
+  // A box of twelve triangles, and a needle of a thousandth of its length.
+  for (const Eigen::Vector3d& sides : {Eigen::Vector3d(4.0, 2.0, 1.0), Eigen::Vector3d(1.0, 1e-3, 1e-3)}) {
+    const TriangleMesh box = box_mesh(sides, 1, 1);
+    const TriangleMesh fine = divided(box, 500);
+    CHECK(fine.triangles.cols() == 500);
+    CHECK_NOTHROW(require_closed(fine));
+    CHECK_THAT(enclosed_volume(fine), WithinRel(sides.prod(), 1e-13));
+    // No side is left that is long for its number of triangles: those of the needle were as long as it is.
+    double longest = 0.0;
+    for (Eigen::Index i = 0; i < fine.triangles.cols(); ++i) {
+      for (int k = 0; k < 3; ++k)
+        longest = std::max(longest, (fine.vertices.col(fine.triangles(k, i)) -
+                                     fine.vertices.col(fine.triangles((k + 1) % 3, i)))
+                                        .norm());
+    }
+    CHECK(longest < 0.15 * sides[0]);
+  }
+  const TriangleMesh mesh = divided(tetrahedron(), 4);  // enough of them already
+  CHECK(mesh.triangles == tetrahedron().triangles);
+  CHECK(mesh.vertices == tetrahedron().vertices);
+  CHECK(divided(tetrahedron(), 5).triangles.cols() == 6);  // two a step
+  TriangleMesh open = tetrahedron();
+  open.triangles.conservativeResize(3, 3);
+  CHECK_THROWS_WITH(divided(open, 100), Contains("not closed"));
 }
