@@ -41,8 +41,9 @@ struct FlowArguments {
 void check_flow_target(const FlowArguments& arguments) {
   check_file_output(arguments.output, {arguments.plan});
   std::error_code ignored;
-  if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output) &&
-      !codebooks::is_codebook(arguments.output))
+  if (!fs::is_regular_file(arguments.output, ignored)) return;
+  require_readable(arguments.output);
+  if (!flow::is_flow_file(arguments.output) && !codebooks::is_codebook(arguments.output))
     throw ArgumentError(
         fmt::format("the output \"{}\" is a file, and neither a flow nor a codebook: it would be lost",
                     arguments.output));
@@ -80,15 +81,19 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
   options.threads = plan.threads;
   options.checkpoint = checkpoint_of(arguments);
   options.resume = !arguments.fresh;
-  if (arguments.fresh) {
-    // No plan that is refused takes hours of another with it.
-    flow::check_case(plan.flow, plan.max_memory);
-    if (plan.flow.motion) flow::check_path(plan.flow, options);
-    codebooks::remove_checkpoint(options.checkpoint, kOfFlowOrBook);
-  }
+  if (arguments.fresh) codebooks::remove_checkpoint(options.checkpoint, kOfFlowOrBook);
   options.progress = progress_line();
   options.warning = [](const std::string& sentence) { warn(sentence); };
   return options;
+}
+
+/// Of a box as a whole. @throws InputError with the place of the box
+void check_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
+  try {
+    flow::check_book(plan);
+  } catch (const ArgumentError& error) {
+    throw InputError(arguments.plan, plan.box_line, fmt::format("box: {}", error.what()));
+  }
 }
 
 int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
@@ -103,7 +108,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     fs::remove(options.checkpoint, ignored);
     fs::remove(flow::finer_checkpoint(options.checkpoint), ignored);
   };
-  flow::check_book(plan);  // no plan that is refused takes hours of another with it
+  check_book(arguments, plan);  // no plan that is refused takes hours of another with it
   codebooks::check_checkpoint_path(options.checkpoint,
                                    arguments.fresh ? kOfFlowOrBook : codebooks::kJournalKind);
   codebooks::check_checkpoint_path(flow::finer_checkpoint(options.checkpoint));

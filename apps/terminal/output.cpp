@@ -14,6 +14,7 @@
 #include <span>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -126,9 +127,17 @@ void check_ending(const std::string& option, const std::string& path, const std:
   throw ArgumentError(fmt::format("{} is \"{}\", expected a name that ends in {}", option, path, ending));
 }
 
+void require_readable(const std::string& path) {
+  if (::access(path.c_str(), R_OK) == 0) return;
+  throw ArgumentError(
+      fmt::format("the output \"{}\" is a file that cannot be read ({}): what would be lost is not known",
+                  path, std::strerror(errno)));
+}
+
 void check_replaced(const std::string& path, const std::string& kind, const std::string& mark) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return;
+  require_readable(path);
   constexpr std::size_t kLooked = 65536;
   std::string begin(kLooked, '\0');
   std::ifstream(path, std::ios::binary).read(begin.data(), kLooked);

@@ -41,6 +41,8 @@ void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>
 /// @param option that names the file, such as "--report"
 /// @throws ArgumentError for a name with another ending; names without one, as those of streams, are taken
 void check_ending(const std::string& option, const std::string& path, const std::string& ending);
+/// Of an output that is there, before its kind is looked at. @throws ArgumentError if it cannot be read
+void require_readable(const std::string& path);
 /// Of a file that is written by a name that may be another's: a sentence for where it is there and is none of its kind.
 /// @param kind such as "plan" @param mark what every file of the kind holds in its first 64 kB
 /// @throws ArgumentError if the file is there, regular, and without the mark

@@ -97,6 +97,14 @@ double number_or(const TomlTable& table, const std::string& key, double otherwis
   return positive(table, key, table.optional_number(key).value_or(otherwise));
 }
 
+/// How far the domain reaches from the body's centre.
+double length_or(const TomlTable& extent, const std::string& key, double otherwise) {
+  const double length = number_or(extent, key, otherwise);
+  if (length > kLeastExtent && length <= kMostExtent) return length;
+  throw extent.error(key, fmt::format("is {}, expected more than {} and at most {} body lengths", length,
+                                      kLeastExtent, kMostExtent));
+}
+
 /// The path of a body: its coordinates by expressions in t.
 BodyMotion read_motion(const TomlTable& table, int dimensions) {
   std::vector<std::string> coordinates = {"x", "y", "angle"};
@@ -166,6 +174,21 @@ void read_book(const TomlTable& root, FlowPlan& plan) {
   }
 }
 
+/// What no key alone is to blame for: the size of the body in its stream, the memory, where a path leads.
+/// @throws InputError at the table that it belongs to
+void check_flow(const TomlTable& root, const FlowPlan& plan) {
+  const auto check = [&root](const char* table, const auto& what) {
+    try {
+      what();
+    } catch (const ArgumentError& error) {
+      throw root.error(table, error.what());
+    }
+  };
+  check("flow", [&] { check_case(plan.flow, plan.max_memory); });
+  if (plan.flow.motion)
+    check("motion", [&] { check_path(plan.flow, {.end = plan.end, .max_time = plan.max_time}); });
+}
+
 FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_reader) {
   root.expect_keys({"title", "flow", "motion", "box", "book", "tolerance"});
   FlowPlan plan;
@@ -191,17 +214,18 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
   flow.central = table.choice("advection", {"van-leer", "central"}) == "central";
   if (const auto extent = table.optional_table("extent")) {
     extent->expect_keys({"before", "behind", "side"});
-    flow.extent.before = number_or(*extent, "before", flow.extent.before);
-    flow.extent.behind = number_or(*extent, "behind", flow.extent.behind);
-    flow.extent.side = number_or(*extent, "side", flow.extent.side);
+    flow.extent.before = length_or(*extent, "before", flow.extent.before);
+    flow.extent.behind = length_or(*extent, "behind", flow.extent.behind);
+    flow.extent.side = length_or(*extent, "side", flow.extent.side);
   }
   if (const auto motion = root.optional_table("motion")) {
     flow.motion = read_motion(*motion, dimensions);
     if (flow.motion->text.empty())
       throw root.error("motion", "has no path: expected x, y or angle as an expression in t");
     flow.stream = motion->optional_number("stream").value_or(1.0);
-    if (!(flow.stream >= 0.0))
-      throw motion->error("stream", fmt::format("is {}, expected its speed, not negative", flow.stream));
+    if (!(flow.stream >= 0.0 && flow.stream <= kMostStream))
+      throw motion->error(
+          "stream", fmt::format("is {}, expected its speed in U, from 0 to {}", flow.stream, kMostStream));
     if (root.has("box"))
       throw root.error("motion", "stands beside a [box]: a book is of bodies that are held");
     // Fields of a body that moves have no mean, and its loads repeat with its motion.
@@ -226,10 +250,12 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
   plan.threads = static_cast<int>(whole(table, "threads", 0, 0, 1024));
   if (root.has("box")) {
     read_book(root, plan);
+    plan.box_line = root.line("box");
   } else {
     for (const char* key : {"book", "tolerance"}) {
       if (root.has(key)) throw root.error(key, "stands without a [box], which makes a plan one of a book");
     }
+    check_flow(root, plan);
   }
   return plan;
 }

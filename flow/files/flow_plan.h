@@ -29,6 +29,7 @@ struct FlowPlan {
   /// Solves that the builder may take.
   long max_calls = 400;
   int certificate_points = 8;  ///< solves that it does not see
+  int box_line = 0;            ///< where the box stands in the text; 0: there is none
 };
 
 /// Reads a closed mesh from a file: models::read_mesh() of the library samara::mesh_files, which plans without meshes
@@ -36,7 +37,8 @@ struct FlowPlan {
 using MeshReader = std::function<models::TriangleMesh(const std::string& path)>;
 
 /// @param mesh_reader for plans with a mesh, whose path lies relative to the plan
-/// @throws InputError, with file and line, for unknown keys, kinds and units, and values that are none of theirs
+/// @throws InputError, with file and line, for unknown keys, kinds and units, and values that are none of theirs,
+/// and for one flow, not a book, also what check_case() and check_path() refuse
 FlowPlan read_flow_plan(const std::filesystem::path& path, const MeshReader& mesh_reader = {});
 FlowPlan parse_flow_plan(const std::string& text, const std::string& name,
                          const MeshReader& mesh_reader = {});

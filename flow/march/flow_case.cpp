@@ -64,11 +64,11 @@ void check_case(const FlowCase& flow, double max_memory) {
   require(flow.cells_per_length >= 4 && flow.cells_per_length <= 100'000, "cells_per_length",
           flow.cells_per_length, "from 4 to 100,000", "flow");
   for (const double length : {flow.extent.before, flow.extent.behind, flow.extent.side})
-    require(length > 0.5 && length <= 1000.0, "extent", length, "more than 0.5 and at most 1000 body lengths",
-            "flow");
+    require(length > kLeastExtent && length <= kMostExtent, "extent", length,
+            "more than 0.5 and at most 1000 body lengths", "flow");
   require_positive(max_memory, "max_memory", "flow");
-  require(std::isfinite(flow.stream) && flow.stream >= 0.0, "stream", flow.stream,
-          "its speed in U, not negative", "flow");
+  require(flow.stream >= 0.0 && flow.stream <= kMostStream, "stream", flow.stream,
+          "its speed in U, from 0 to 1000", "flow");
   if (!flow.motion && flow.stream != 1.0)
     throw ArgumentError(
         fmt::format("flow: the stream of a held body is {} U, expected 1: it is what U means", flow.stream));

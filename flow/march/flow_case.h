@@ -38,13 +38,20 @@ struct FlowCase {
   bool central = false;  ///< central differences for advection instead of van Leer's: laminar verification
 };
 
+// Largest numbers of a case, so that the cells of a direction fit into an integer, and steps are not without end.
+inline constexpr double kMostExtent = 1000.0;  ///< body lengths
+inline constexpr double kMostStream = 1000.0;  ///< U
+/// Smallest number of an Extent: the body's half length [body lengths].
+inline constexpr double kLeastExtent = 0.5;
+
 /// Share of the stream's width that the body takes.
 double blockage(const FlowCase& flow);
 /// Memory that the solution of the case takes [bytes].
 double memory_of(const FlowCase& flow);
 /// @throws ArgumentError, naming value and expectation, for what cannot be solved: no positive Reynolds number, an
 /// intensity outside (0, 1], a blockage above 25 %, a body at the border or thinner than two cells, more than
-/// `max_memory`, a held body in a stream of another speed than 1, a path that does not begin with numbers
+/// `max_memory`, a held body in a stream of another speed than 1, a stream faster than kMostStream, a path that does
+/// not begin with numbers
 void check_case(const FlowCase& flow, double max_memory);
 /// Of the whole case.
 MacGrid grid_of(const FlowCase& flow);

@@ -106,6 +106,11 @@ double disagreement(const FlowRun& run) {
 
 /// What was not reached by max_time, in words.
 std::string unreached(FlowRun& run, const FlowOptions& options) {
+  if (options.end == FlowEnd::steady && run.march.state().steps < kStepsBetweenChecks)
+    return fmt::format(
+        "max_time, {:.4g} l/U, was reached after {} steps, and whether the flow still changes is looked at "
+        "after {}",
+        options.max_time, run.march.state().steps, kStepsBetweenChecks);
   if (options.end == FlowEnd::steady)
     return fmt::format("the flow still changes by {:.2g} per l/U at max_time, {:.4g} l/U", run.change,
                        options.max_time);

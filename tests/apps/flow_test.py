@@ -135,9 +135,9 @@ class Flows(Case):
         told = json.loads(run("info", path, "--json").stdout)
         self.assertTrue(told["moving"])
         self.assertLess(told["checks"]["force_disagreement"], 1e-10)
-        self.check_error(run("flow", write("far.toml", moving + motion.replace("-0.5", "3")), "-o", FOLDER / "far.h5"), 2, "of a border at t = ")
+        self.check_error(run("flow", write("far.toml", moving + motion.replace("-0.5", "3")), "-o", FOLDER / "far.h5"), 3, "far.toml:9: motion: ", "of a border at t = ")
         self.assertFalse((FOLDER / "far.h5").exists())
-        for line, *words in [('x = "-0.5*sn(t)"', "x", "sn"), ("", "motion: has no path"), ('x = "t"\nperiod = 2', "period", "is 2", "at most max_time, 1.5"), ('x = "t"\nstream = -1', "stream", "is -1"),
+        for line, *words in [('x = "-0.5*sn(t)"', "x", "sn"), ("", "motion: has no path"), ('x = "t"\nperiod = 2', "period", "is 2", "at most max_time, 1.5"), ('x = "t"\nstream = -1', "stream", "is -1"), ('x = "t"\nstream = 1e59', "bad.toml:11", "stream", "is 1e+59, expected its speed in U, from 0 to 1000"),
                              ('x = "t"\nperiod = 0', "period", "is 0"), ('x = "t"\nz = "t"', "z"), ('x = "1 [m]"', "without a unit")]:
             self.check_error(run("flow", write("bad.toml", moving + "[motion]\n" + line), "-o", FOLDER / "bad.h5"), 3, *words)
         self.check_error(run("flow", write("bad.toml", moving.replace("max_time", 'end = "mean"\nmax_time') + motion), "-o", FOLDER / "bad.h5"), 3, "end")
@@ -154,9 +154,9 @@ class Flows(Case):
         kept = FOLDER / "short.h5.checkpoint"
         self.check_error(run("flow", plan, "-o", FOLDER / "short.h5"), 2, "a max_time after that was expected")
         bad = write("bad_short.toml", PLAN.replace("side = 3", "side = 1.5"))
-        self.assertEqual(run("flow", bad, "-o", FOLDER / "short.h5", "--fresh").returncode, 2)
+        self.assertEqual(run("flow", bad, "-o", FOLDER / "short.h5", "--fresh").returncode, 3)
         leaving = write("leaving.toml", PLAN.replace('end = "steady"', 'end = "time"') + '[motion]\nx = "4*t"\n')
-        self.check_error(run("flow", leaving, "-o", FOLDER / "short.h5", "--fresh"), 2, "of a border at t = ")
+        self.check_error(run("flow", leaving, "-o", FOLDER / "short.h5", "--fresh"), 3, "of a border at t = ")
         other = write("other_short.toml", PLAN.replace("thickness = 1", "thickness = 0.9"))
         self.check_error(run("flow", other, "-o", FOLDER / "short.h5"), 3, "checkpoint of another case", "--fresh")
         self.assertTrue(kept.exists())
@@ -259,11 +259,19 @@ relative = 0.05
             box = f'[box]\nangle_of_attack = ["30 deg", "150 deg"]\n[book]\nkind = "{kind}"\ncertificate_points = 2\n'
             kept.write_text("flows")
             result = run("flow", write("wide.toml", flat + box), "-o", FOLDER / "kept.h5", "--fresh")
-            self.check_error(result, 2, "33 % of the stream's width", "a side of at least 2 body lengths")
+            self.check_error(result, 3, "wide.toml:10: box: ", "33 % of the stream's width", "a side of at least 2 body lengths")
             self.assertEqual(kept.read_text(), "flows")
             kept.unlink()
             self.check_error(run("flow", write("box.toml", PLAN + box), "-o", FOLDER / "kept.h5", "--resume"), 2,
                              "--resume: there is no", "kept.h5.checkpoint to go on from")
+
+    def test_a_steady_flow_that_ends_before_its_first_check_says_so(self):
+        brief = PLAN.replace('"ellipse"', '"rectangle"').replace("cells_per_length = 6", "cells_per_length = 4").replace("max_time = 80", "max_time = 1")
+        result = run("flow", write("brief.toml", brief), "-o", FOLDER / "brief.h5")
+        self.assertEqual(result.returncode, 4)
+        self.assertIn("max_time, 1 l/U, was reached after ", result.stderr)
+        self.assertIn("whether the flow still changes is looked at after 20", result.stderr)
+        self.assertNotIn("changes by 0", result.stderr)
 
     def test_a_file_that_is_no_checkpoint_is_refused_before_the_first_flow_and_left_alone(self):
         short = PLAN.replace("max_time = 80", "max_time = 0.5")
@@ -361,9 +369,11 @@ relative = 0.15
         for change, code, parts in [
             (("reynolds = 30", "reynolds = -1"), 3, ["bad.toml:4", "[flow] reynolds: is -1"]),
             (("reynolds = 30", "reynolds = nan"), 3, ["bad.toml:4", "reynolds"]),
-            (("thickness = 1 }", "thickness = 0.1 }"), 2, ["0.1 thin", "cells_per_length at least 20"]),
-            (("side = 3", "side = 1.5"), 2, ["33 % of the stream's width"]),
-            (("cells_per_length = 6", "cells_per_length = 900"), 2, ["expected at most max_memory, 2 GB"]),
+            (("thickness = 1 }", "thickness = 0.1 }"), 3, ["bad.toml:2: flow: ", "0.1 thin", "cells_per_length at least 20"]),
+            (("side = 3", "side = 1.5"), 3, ["bad.toml:2: flow: ", "33 % of the stream's width"]),
+            (("before = 3", "before = 1e59"), 3, ["bad.toml:7: [flow.extent] before: is 1e+59, expected more than 0.5 and at most 1000 body lengths"]),
+            (("side = 3", "side = 0.5"), 3, ["bad.toml:7: [flow.extent] side: is 0.5, expected more than 0.5"]),
+            (("cells_per_length = 6", "cells_per_length = 900"), 3, ["bad.toml:2: flow: ", "expected at most max_memory, 2 GB"]),
             (('"ellipse"', '"elipse"'), 3, ["elipse", "ellipse"]),
             (('"ellipse", length = 1, thickness', '"plate", baffle = true, thickness'), 3, ["thickness", "stands beside baffle = true"]),
             (('end = "steady"\nmax_time = 80\n', 'end = "time"\nmax_time = 80\n[motion]\nx = "0"\nperiod = 1e-6\n'), 3,
