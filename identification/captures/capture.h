@@ -19,6 +19,7 @@ struct Channel {
   Eigen::VectorXd values;  ///< one per frame; NaN where it was not seen
   /// The scale that took pixels to metres [m/px], where one did.
   std::optional<double> metres_per_pixel = {};
+  bool is_flipped = false;  ///< `flip` of a sidecar has turned its sign
 };
 
 /// Angles are known by their names, since their unit is 1: theta, phi, psi, roll, pitch, yaw.
@@ -33,6 +34,7 @@ struct Capture {
   Eigen::VectorXd times;                      ///< s, strictly increasing
   std::vector<Channel> channels;
   std::vector<std::string> notes = {};  ///< what reading and cleaning did to it, in sentences
+  std::string up = {};                  ///< the axis of its file that became z, "-y"; empty: z stayed
   std::string motion = {};              ///< of a span: the id of the capture that it was cut from
   double shift = 0.0;                   ///< s, of a span: what its times lack of those of that capture
   std::shared_ptr<const BeforeCleaning> before_cleaning = {};  ///< null: nothing was cleaned

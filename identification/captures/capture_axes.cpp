@@ -89,12 +89,14 @@ void flip_quantities(Capture& capture, const std::vector<std::string>& quantitie
   for (const std::string& quantity : all) {
     Channel& channel = channel_of(capture, quantity);
     channel.values = -channel.values;
+    channel.is_flipped = !channel.is_flipped;
     if (channel.metres_per_pixel) channel.metres_per_pixel = -*channel.metres_per_pixel;
   }
 }
 
 void turn_upright(Capture& capture, const std::string& up) {
   if (up == "z") return;
+  capture.up = up;
   const Eigen::Vector3d axis = (up[0] == '-' ? -1.0 : 1.0) * axis_of(up.back());
   // Opposite vectors have no shortest rotation: half a turn about x, which keeps the forward direction.
   const Attitude turn =

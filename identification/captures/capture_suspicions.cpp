@@ -161,9 +161,11 @@ void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& fou
   }
 }
 
-/// Of the positions together: the median length of the acceleration over frames, m/s^2, and of its standard error.
+/// Of the positions together, over frames.
 struct Acceleration {
-  double size = 0.0, error = 0.0;
+  double size = 0.0;   ///< m/s^2: the median length
+  double error = 0.0;  ///< m/s^2: the median of its standard error
+  double range = 1.0;  ///< over the middle half of the frames: the largest length over the smallest
 };
 
 Acceleration acceleration_of(const Capture& capture, SmoothingOptions options) {
@@ -183,8 +185,11 @@ Acceleration acceleration_of(const Capture& capture, SmoothingOptions options) {
     squares += s.acceleration.col(0).cwiseAbs2();
     errors += s.acceleration_error.col(0).cwiseAbs2();
   }
-  return {std::sqrt(median({squares.begin(), squares.end()})),
-          std::sqrt(median({errors.begin(), errors.end()}))};
+  std::ranges::sort(squares);
+  const Index quarter = squares.size() / 4;
+  return {.size = std::sqrt(median({squares.begin(), squares.end()})),
+          .error = std::sqrt(median({errors.begin(), errors.end()})),
+          .range = std::sqrt(squares[squares.size() - 1 - quarter] / squares[quarter])};
 }
 
 /// One for all positions: the length of the acceleration says it, whatever the axes.
@@ -196,12 +201,14 @@ void suspect_acceleration(const Capture& capture, bool falls, Sentences& found) 
   const SmoothingOptions plain{.noise = 0.0, .outlier_threshold = std::numeric_limits<double>::infinity()};
   const double look = acceleration_of(capture, plain).size / kGravity;
   if (look > kLeastUsual && look < kMostUsual) return;
-  const auto [size, error] = acceleration_of(capture, {});
+  const auto [size, error, range] = acceleration_of(capture, {});
   if (!(size > 5.0 * error)) return;
+  // Near its final speed a body accelerates by any small share of gravity, which soon is another one.
+  constexpr double kConstant = 1.1;
   const double power = std::log10(size / kGravity);
   const bool is_power =
       std::abs(power - std::round(power)) < 0.02 && std::abs(power) > 1.5 && std::abs(power) < 4.5;
-  if (is_power && (falls || power > 0.0)) {
+  if (is_power && (power > 0.0 || (falls && range < kConstant))) {
     found.push_back(
         fmt::format("positions accelerate by {:.3g} m/s^2, gravity times 10^{:.0f}: are lengths or times "
                     "in another unit?",

@@ -19,7 +19,8 @@ namespace samara::identification {
 ///  - positions and angles that never change;
 ///  - positions that have nothing to do with those before them: rows out of order;
 ///  - positions whose steps are faster than sound in air, whose acceleration is most of the time above 5 g,
-///    or is g times a power of ten, or that move by less than 0.1 mm: another unit;
+///    or is g times a power of ten (where it is less than g, and stays so: drag makes it fade), or that move by
+///    less than 0.1 mm: another unit;
 ///  - a step much faster than the others: the track of another body, or a wrong frame;
 ///  - angles that turn by more than a right angle from frame to frame: degrees taken for radians, or a motion
 ///    that the frame rate cannot resolve;

@@ -53,15 +53,23 @@ std::string axis_of(const Weight& weight) {
                      weight.places[static_cast<std::size_t>(axis)]);
 }
 
-/// What turns the world of a capture, as a sidecar says it.
+/// What turns the world of a capture, as a sidecar says it, or is to be left out of one.
 std::string remedy(const Capture& capture, const Weight& weight) {
   const std::string axis = axis_of(weight).substr(1);
-  if (capture.has("qw")) return fmt::format("up = \"-{}\"", axis);
-  std::string flipped = fmt::format("\"{}\"", axis);
+  if (!capture.up.empty()) {
+    return fmt::format("up = \"{}\" in its sidecar turns it",
+                       capture.up[0] == '-' ? capture.up.substr(1) : "-" + capture.up);
+  }
+  if (capture.has("qw")) return fmt::format("up = \"-{}\" in a sidecar turns it", axis);
+  const bool was_flipped = capture.channel(axis).is_flipped;
+  std::string names = fmt::format("\"{}\"", axis);
   // In a mirrored plane angles count the other way.
-  for (const char* const turn : {"theta", "w"})
-    if (capture.has(turn)) flipped += fmt::format(", \"{}\"", turn);
-  return fmt::format("flip = [{}]", flipped);
+  for (const char* const turn : {"theta", "w"}) {
+    if (capture.has(turn) && (!was_flipped || capture.channel(turn).is_flipped))
+      names += fmt::format(", \"{}\"", turn);
+  }
+  return was_flipped ? fmt::format("flip = [{}] of its sidecar turned it: leave that out", names)
+                     : fmt::format("flip = [{}] in a sidecar turns it", names);
 }
 
 /// Downward, m, frame by frame; empty where it was not measured.
@@ -132,7 +140,7 @@ std::vector<std::string> check_gravity(const models::ParametricModel& equations,
     found.emplace_back(
         capture.id,
         fmt::format("it moves against the weight of the model, which acts along {}, in {:.0f} % of "
-                    "its frames without being slowed: is an axis upside down? ({} in a sidecar turns it)",
+                    "its frames without being slowed: is an axis upside down? ({})",
                     axis_of(weight), 100.0 * *share, remedy(capture, weight)));
   }
   return merge_alike(found);

@@ -88,7 +88,11 @@ PixelScale read_scale(const TomlTable& entry) {
     return scale;
   }
   scale.length = entry.quantity("length", "m");
-  if (scale.length == 0.0) throw entry.error("length", "the length is 0; another value was expected");
+  if (!(scale.length > 0.0)) {
+    throw entry.error(
+        "length",
+        fmt::format("the length is {} m; more than 0 was expected, and `flip` turns an axis", scale.length));
+  }
   scale.span = choice<ScaleSpan>(entry, "over",
                                  {{"largest - first", ScaleSpan::largest_minus_first},
                                   {"largest - smallest", ScaleSpan::largest_minus_smallest}});

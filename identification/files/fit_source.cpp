@@ -180,6 +180,13 @@ void open_codebook(const FitRequest& request, FitSource& source) {
                        fmt::format("codebook: \"{}\" is one itself; the name of its model was expected",
                                    name_of(request)));
     }
+    if (source.options.solver.step) {
+      throw InputError(
+          config->name,
+          fmt::format("step: \"{}\" is a codebook, and nothing is integrated in steps; a config without "
+                      "it, or the name of its model, \"{}\", was expected",
+                      name_of(request), source.book->model().name));
+    }
     if (parse_series_config(config->text, config->name, names)) {
       throw InputError(config->name,
                        fmt::format("[series] needs equations whose coefficients may change, and \"{}\" is a "

@@ -323,7 +323,7 @@ FitResult fitted(const models::TrajectoryFamily& family, std::span<const Capture
     conclude(runs[*best], uncertainty, options.solver.max_iterations, result);
     add_misfit_warnings(problem, result);
     add_start_warning(family, options, result);
-    add_warnings(problem, uncertainty, result);
+    add_warnings(problem, point, uncertainty, result);
     levels.report(problem, result);
     add_delay_warning(family, problem, residuals, point, result);
     add_integration_shift(family, problem, residuals, point, uncertainty, result);

@@ -38,6 +38,41 @@ void warn_about_bounds(FitResult& result) {
   }
 }
 
+/// Answers that what was known of an unknown beforehand all but rules out. Combinations say how unknowns go together,
+/// and are left out.
+void warn_about_priors(const FitProblem& problem, const FitPoint& point, FitResult& result) {
+  constexpr double kFar = 4.0;  // deviations
+  const char* const kClash = "what was known of it beforehand and the captures contradict each other";
+  for (const PriorTerm& prior : problem.priors) {
+    if (prior.weights().size() > 1) continue;
+    const double away = std::abs(prior.residual(point.shared.data()));
+    if (!(away > kFar)) continue;
+    const Coefficient& c = result.coefficients[static_cast<std::size_t>(prior.weights().front().unknown)];
+    result.warnings.add(
+        WarningKind::model,
+        fmt::format("{} = {:.6g} lies {:.3g} deviations of its prior from the prior's mean: {}", c.name,
+                    c.value, away, kClash));
+  }
+  for (const PriorTerm& prior : problem.own_priors) {
+    const auto unknown = static_cast<std::size_t>(prior.weights().front().unknown);
+    double farthest = 0.0;
+    std::vector<std::string> ids;
+    for (const Motion& motion : problem.motions) {
+      const double away = std::abs(prior.residual(point.own[motion.first_segment].data()));
+      if (!(away > kFar)) continue;
+      farthest = std::max(farthest, away);
+      ids.push_back(fmt::format("\"{}\"", motion.id));
+    }
+    if (ids.empty()) continue;
+    result.warnings.add(
+        WarningKind::model,
+        fmt::format("{} lies up to {:.3g} deviations of its prior from the prior's mean in {} of {} "
+                    "captures, {}: {}",
+                    result.captures.front().nuisances[unknown].name, farthest, ids.size(),
+                    result.captures.size(), join(ids), kClash));
+  }
+}
+
 void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) {
   for (const std::vector<int>& set : uncertainty.undetermined_sets) {
     std::vector<std::string> names;
@@ -267,7 +302,8 @@ void add_speed_warnings(const models::TrajectoryFamily& family, std::span<const 
   }
 }
 
-void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result) {
+void add_warnings(const FitProblem& problem, const FitPoint& point, const Uncertainty& uncertainty,
+                  FitResult& result) {
   constexpr double kOpenJoin = 0.1;
   if (result.join_defect.value_or(0.0) > kOpenJoin) {
     result.warnings.add(
@@ -278,6 +314,7 @@ void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, Fit
             *result.join_defect));
   }
   warn_about_bounds(result);
+  warn_about_priors(problem, point, result);
   warn_about_undetermined(uncertainty, result);
   warn_about_camera(problem, result);
   warn_about_measurement(problem, result);

@@ -25,8 +25,10 @@ void add_capture_warnings(const models::TrajectoryFamily& family, std::span<cons
 void add_speed_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                         FitResult& result);
 
-/// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
-/// optima. Needs coefficients, captures and starts.
-void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result);
+/// What the reader must know: coefficients at bounds, far from their priors or not determined, errors that cannot be
+/// trusted, other optima. Needs coefficients, captures and starts.
+/// @param point the answer
+void add_warnings(const FitProblem& problem, const FitPoint& point, const Uncertainty& uncertainty,
+                  FitResult& result);
 
 }  // namespace samara::identification

@@ -72,8 +72,9 @@ std::string petab_config(const PetabProblem& problem, const PetabSettings& setti
   for (const auto& [output, level] : settings.noise) noise += toml_line(output, toml_number(level));
   for (const auto& [output, parameter] : settings.estimated_noise)
     levels += fmt::format("{}{} = {}", levels.empty() ? "" : ", ", toml_text(output), toml_text(parameter));
-  std::string text = fmt::format("outputs = {}\noffsets = []\nshared = {}\nper_capture = {}\n",
-                                 toml_list(outputs), toml_list(shared), toml_list(own));
+  std::string text = fmt::format("outputs = {}\noffsets = []\n", toml_list(outputs));
+  if (!shared.empty()) text += fmt::format("shared = {}\n", toml_list(shared));
+  if (!own.empty()) text += fmt::format("per_capture = {}\n", toml_list(own));
   if (!by_factors.empty()) text += fmt::format("log_scale = {}\n", toml_list(by_factors));
   if (!levels.empty()) text += fmt::format("noise = {{ levels = {{ {} }} }}\n", levels);
   text += "loss.kind = \"none\"\n";

@@ -37,6 +37,16 @@ std::vector<std::string> known_names(const TomlTable& table, const std::string& 
   return names;
 }
 
+/// The same, of names that are added to those that have the role by default: none would say nothing.
+std::vector<std::string> added_names(const TomlTable& table, const std::string& key, const Units& known,
+                                     const std::string& by_default) {
+  std::vector<std::string> names = known_names(table, key, known);
+  if (names.empty())
+    throw table.error(key,
+                      fmt::format("the list is empty; one name or more was expected, since {}", by_default));
+  return names;
+}
+
 void require_positive_key(const TomlTable& table, const std::string& key, double value) {
   if (!(value > 0.0)) throw table.error(key, fmt::format("is {}; more than 0 was expected", value));
 }
@@ -258,8 +268,14 @@ ComparisonOptions read_comparison(const TomlTable& root, const Units& outputs) {
 /// @param of_model names without delay and gains, which have their ranges, no box
 UnknownOptions read_unknowns(const TomlTable& root, const ConfigNames& names, const ConfigNames& of_model) {
   UnknownOptions unknowns;
-  if (root.has("shared")) unknowns.shared = known_names(root, "shared", names.coordinates);
-  if (root.has("per_capture")) unknowns.per_capture = known_names(root, "per_capture", names.coordinates);
+  if (root.has("shared")) {
+    unknowns.shared =
+        added_names(root, "shared", names.coordinates, "parameters are shared unless per_capture names them");
+  }
+  if (root.has("per_capture")) {
+    unknowns.per_capture = added_names(root, "per_capture", names.coordinates,
+                                       "initial values are each capture's own unless shared names them");
+  }
   if (root.has("offsets")) unknowns.offsets = known_names(root, "offsets", names.outputs);
   if (root.has("log_scale")) unknowns.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("fixed")) unknowns.fixed = read_quantities(root.table("fixed"), names.coordinates);

@@ -101,8 +101,9 @@ struct ComparisonOptions {
   /// Outputs that repeat, with their periods: differences are taken on the circle. Those in rad do by 2 pi,
   /// unless they are named here; 0 for none.
   std::map<std::string, double> periods = {};
-  /// Each frame is the mean of so many frames of the source, centred on it: the model's frames go through the
-  /// same mean, from a start that lies half of them earlier. Odd; frames must come at equal times.
+  /// Each frame is the running mean of so many frames of the source, centred on it, which come at the interval of the
+  /// capture's own (of a mean of blocks of a faster camera this is not true): the model's frames go through the same
+  /// mean, from a start that lies half of them earlier. Odd; frames must come at equal times.
   int averaged_frames = 1;
 };
 

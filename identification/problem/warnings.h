@@ -10,7 +10,8 @@ namespace samara::identification {
 enum class WarningKind {
   source,        ///< codebook, units of a model, coefficients taken from another fit
   captures,      ///< what was measured looks wrong, or does not belong to the model
-  model,         ///< the model misses the captures by far: it, or what is held fixed, is not theirs
+  model,         ///< the model misses the captures, or what was known beforehand, by far: it, or what
+                 ///< is held fixed, is not theirs
   bounds,        ///< a value lies at a bound of its box
   undetermined,  ///< the captures say little or nothing about a value
   errors,        ///< standard errors are rough or too small

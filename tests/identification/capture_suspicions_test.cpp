@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/captures/capture_file.h"
+#include "synthetic.h"
 
 using namespace samara::identification;
 using Eigen::Index;
@@ -125,6 +126,16 @@ TEST_CASE("bad captures are suspected for what is wrong with them") {
     for (const std::string& q : kQuaternionChannels)
       capture.channels.push_back({q, "1", 0.6 + 0.01 * capture.times.array()});
     CHECK(suspicions(capture) == Sentences{"50 of 50 quaternions are not of unit length"});
+  }
+}
+
+TEST_CASE("a fall that nears its final speed is not taken for one in another unit") {
+  // Whatever the speed at first, the acceleration fades: at some time it is a hundredth of gravity, or a thousandth.
+  for (const double C_D : {0.7, 1.1, 1.3, 1.7}) {
+    for (double speed = -0.2; speed < 0.75; speed += 0.05) {
+      CAPTURE(C_D, speed);
+      CHECK(suspicions(coin_capture("coin", C_D, speed, 0.0)) == Sentences{});
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/codebook.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
+#include "samara/identification/files/fit_files.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_config.h"
 #include "synthetic.h"
@@ -125,4 +126,11 @@ TEST_CASE("captures longer than the codebook are refused") {
   std::vector<Capture> captures = noisy_captures();
   captures[2].times *= 1.1;
   CHECK_THROWS_AS(fit(*codebook_trajectories(book), captures), ArgumentError);
+}
+
+TEST_CASE("steps of an integrator are refused where a codebook has the trajectories") {
+  const auto book = std::make_shared<const codebooks::Codebook>(uniform_acceleration("vertical_fall"));
+  const FitRequest request{.book = book, .measured = noisy_captures(), .config_text = "step = 1e59\n"};
+  CHECK_THROWS_WITH(fit_files(request), Catch::Matchers::Contains("step: ") &&
+                                            Catch::Matchers::Contains("\"vertical_fall\", was expected"));
 }

@@ -225,3 +225,11 @@ TEST_CASE("a config says where a delay lies, and what is known of it") {
   CHECK_THAT(config_error("shared = [\"delay\"]"), Contains("unknown name \"delay\""));
   CHECK_THAT(config_error("delay = { range = [0, 0.1] }\n[box]\ndelay = [0, 0.2]"), Contains("delay"));
 }
+
+TEST_CASE("lists that add to what is so by default are not empty, and no offsets are none") {
+  CHECK_THAT(config_error("shared = []"), StartsWith("fit.toml:1") && Contains("shared: the list is empty") &&
+                                              Contains("unless per_capture names them"));
+  CHECK_THAT(config_error("per_capture = []"),
+             Contains("per_capture: the list is empty") && Contains("unless shared names them"));
+  CHECK(parse_fit_config("offsets = []", "fit.toml", names()).unknowns.offsets->empty());
+}

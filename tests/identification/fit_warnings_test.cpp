@@ -40,6 +40,37 @@ TEST_CASE("a fit that misses its captures by many loss scales says so") {
              Contains("the model misses x by") && Contains("times the loss scale of 0.002 m"));
 }
 
+TEST_CASE("an answer that priors all but rule out is warned of, and one that they allow is not") {
+  // Frames are so exact that priors hardly move the answer, C_D = 1.15 and starting speeds of 0 to 0.15 m/s.
+  const std::vector<Capture> captures = coins(1.15);
+  FitOptions options;
+  options.loss = {.kind = LossKind::none, .length_scale = 1e-4};
+  const auto said = [&] {
+    const FitResult result = fit(*coin_family(), captures, options);
+    CHECK(result.warnings.has(WarningKind::model) == !result.warnings.empty());
+    return text_of(result.warnings);
+  };
+  const std::string clash = "what was known of it beforehand and the captures contradict each other";
+  SECTION("of a shared unknown, with a mean outside its box") {
+    options.priors.coordinates["C_D"] = {.mean = -10.0, .deviation = 0.1};
+    CHECK_THAT(said(), Contains("C_D = 1.1") && Contains("lies 11") &&
+                           Contains(" deviations of its prior from the prior's mean: " + clash));
+  }
+  SECTION("of its logarithm: 1.15 is ln(1.15/0.7)/0.1 = 4.96 deviations from 0.7") {
+    options.priors.coordinates["C_D"] = {.mean = 0.7, .deviation = 0.1, .logarithmic = true};
+    CHECK_THAT(said(), Contains("C_D = 1.1") && Contains("lies 4.9") && Contains(clash));
+    options.priors.coordinates["C_D"].mean = 0.9;
+    CHECK(said().empty());
+  }
+  SECTION("of an unknown of each capture's own, with the captures in which it is so") {
+    options.priors.coordinates["v(0)"] = {.mean = 0.0, .deviation = 0.02};
+    CHECK_THAT(said(), Contains("v(0) lies up to 7.") &&
+                           Contains("in 2 of 4 captures, \"coin 2\", \"coin 3\": " + clash));
+    options.priors.coordinates["v(0)"].deviation = 0.1;
+    CHECK(said().empty());
+  }
+}
+
 TEST_CASE("scales that were stated count without a loss, too") {
   std::vector<Capture> captures = coins(1.15);
   for (Capture& capture : captures) capture.channels[0].values *= 3.0;

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "files.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 #include "synthetic.h"
@@ -77,4 +78,27 @@ TEST_CASE("a plate that flutters and tumbles is not suspected, and upside down i
   mirrored[0].channels.push_back({"theta", "rad", Eigen::VectorXd::Zero(121)});
   CHECK_THAT(check_gravity(model, {}, mirrored).at(0),
              Catch::Contains("(flip = [\"y\", \"theta\"] in a sidecar"));
+}
+
+TEST_CASE("what a sidecar has turned the wrong way is to be left out of it, or said the other way round") {
+  const TemporaryDirectory files;
+  const auto doubt = [&](const ParametricModel& model, const std::string& header, const std::string& rest,
+                         const std::string& sidecar) {
+    std::string rows = header + "\n";
+    for (int k = 0; k < 20; ++k) rows += fmt::format("{},{}{}\n", 0.02 * k, 0.01 * k, rest);
+    files.put("fall.csv", rows);
+    files.put("fall.toml", sidecar);
+    return check_gravity(model, {}, read_captures(files.path() / "fall.csv")).at(0);
+  };
+  // Steady motions. Down is +x of a vertical fall, which the file had right.
+  const ParametricModel coin(samara::models::find_model("vertical_fall"),
+                             {{"C_D", 1.2}, {"area", 4.7e-4}, {"thickness", 2.5e-3}, {"density", 6338.0}},
+                             {});
+  CHECK_THAT(doubt(coin, "t[s],x[m]", "", "flip = [\"x\"]\n"),
+             Catch::EndsWith("(flip = [\"x\"] of its sidecar turned it: leave that out)"));
+  // Down is -z of a flight; y, which the sidecar takes to point up, grows.
+  const ParametricModel ball(samara::models::find_model("sphere_flight"),
+                             {{"C_D", 0.5}, {"vx(0)", 3.0}, {"vz(0)", 4.0}}, {});
+  CHECK_THAT(doubt(ball, "t[s],y[m],x[m],z[m],qw[1],qx[1],qy[1],qz[1]", ",0,0,1,0,0,0", "up = \"y\"\n"),
+             Catch::EndsWith("(up = \"-y\" in its sidecar turns it)"));
 }

@@ -337,3 +337,16 @@ TEST_CASE("a sidecar names the decimal sign, and one without a table says how it
              Catch::Contains("the decimal sign is a point"));
   CHECK_THAT(reading_error(sidecar), Catch::Contains("names no table") && Catch::Contains("--sidecar"));
 }
+
+TEST_CASE("a scale over no length, or a negative one, is refused") {
+  const TemporaryDirectory files;
+  files.put("drop.csv", "t,x\n0,1\n1,2\n2,3\n");
+  for (const std::string length : {"-0.38 m", "0 m"}) {
+    files.put("drop.toml",
+              "[columns]\nt = { quantity = \"t\", unit = \"s\" }\nx = { quantity = \"x\", unit = \"px\" }\n"
+              "[scale]\nx = { length = \"" +
+                  length + "\", over = \"largest - first\" }\n");
+    CHECK_THAT(reading_error(files.path() / "drop.csv"),
+               Catch::StartsWith("drop.toml:5") && Catch::Contains("more than 0 was expected"));
+  }
+}
