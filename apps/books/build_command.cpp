@@ -29,6 +29,7 @@ void check_target(const BuildArguments& arguments) {
   check_file_output(arguments.output, {arguments.plan});
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(arguments.output, ignored);
+  if (is_file && !arguments.force) require_readable(arguments.output);
   if (is_file && !arguments.force && !codebooks::is_codebook(arguments.output))
     throw ArgumentError(
         fmt::format("the output \"{}\" is a file, and no codebook: --force replaces it", arguments.output));

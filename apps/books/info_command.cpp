@@ -168,13 +168,16 @@ std::string nodes_of(const Outlines& outlines, std::size_t coordinate) {
 }
 
 std::string axis_table(const Codebook& book, const Outlines& outlines) {
-  std::string text = fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12} {:>12}\n", "axis", "unit", "role",
-                                 "basis", "nodes", "lower", "upper");
+  const bool transforms = std::ranges::any_of(
+      outlines.front().axes, [](const pgd::Axis& axis) { return axis.transform() != pgd::Transform::none; });
+  std::string text = fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12} {:>12}{}\n", "axis", "unit", "role",
+                                 "basis", "nodes", "lower", "upper", transforms ? "  transform" : "");
   for (std::size_t k = 0; k < book.coordinates().size(); ++k) {
     const codebooks::Coordinate& c = book.coordinates()[k];
     const pgd::Axis& axis = outlines.front().axes[k];
-    text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}\n", c.name, shown_unit(c.unit),
-                        to_string(c.role), to_string(axis.basis()), nodes_of(outlines, k), c.lower, c.upper);
+    text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}{}\n", c.name,
+                        shown_unit(c.unit), to_string(c.role), to_string(axis.basis()), nodes_of(outlines, k),
+                        c.lower, c.upper, transforms ? "  " + to_string(axis.transform()) : "");
   }
   return text;
 }

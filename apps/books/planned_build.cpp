@@ -17,12 +17,14 @@
 #include "samara/codebooks/plan/plan_changes.h"
 #include "samara/io/text_file.h"
 #include "samara/models/interface/model.h"
+#include "terminal/terminal.h"
 
 namespace samara::apps {
 
 namespace {
 
 std::string plan_text(const BuildArguments& arguments) {
+  if (arguments.plan == "-") require_stdin("a plan of a codebook");
   return io::read_text_file(arguments.plan == "-" ? "/dev/stdin" : arguments.plan,
                             {.expected = "a plan of a codebook"});
 }

@@ -233,7 +233,13 @@ int run_stats(const StatsArguments& arguments) {
   if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.book, arguments.fit});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
-  const BookStatistics statistics = take_statistics(book, request_of(arguments, book));
+  BookStatistics statistics = take_statistics(book, request_of(arguments, book));
+  std::vector<std::string> derived;
+  for (const pgd::OutputLabel& output : derived_outputs(book)) derived.push_back(output.name);
+  if (!derived.empty())
+    statistics.notes.push_back(
+        fmt::format("what the model derives is left out, {}: statistics are of what the codebook stores",
+                    fmt::join(derived, ", ")));
   for (const std::string& note : statistics.notes) narrate(note);
   write_answer(arguments.output,
                arguments.json ? statistics_json(book, statistics).dump() + "\n" : to_csv(book, statistics));

@@ -16,6 +16,7 @@
 #include "samara/codebooks/query/place_query.h"
 #include "samara/io/csv.h"
 #include "samara/io/text_file.h"
+#include "terminal/terminal.h"
 
 namespace samara::apps {
 
@@ -65,6 +66,7 @@ struct GivenPoints {
 GivenPoints given_columns(const std::string& path, std::string& text) {
   const bool is_stdin = path == "-";
   const std::string file = is_stdin ? "stdin" : path;
+  if (is_stdin) require_stdin("a table of points");
   text = io::read_text_file(is_stdin ? "/dev/stdin" : path, {.expected = "a table of points"});
   return {file, io::NumberTable::head(text, file), {}, {}, {}};
 }

@@ -288,7 +288,9 @@ int run_simulate(const SimulateArguments& arguments) {
                                      ? trajectory_json(arguments.model, table, outcome.message).dump() + "\n"
                                      : io::format_csv(table.header, table.rows));
   if (outcome) return all_numbers ? kDone : kToleranceMissed;
-  warn(fmt::format("{}; rows after t = {:.6g} are empty", outcome.message, outcome.reached));
+  warn(rows < times.size()
+           ? fmt::format("{}; rows from t = {:.6g} on are empty", outcome.message, times[rows])
+           : outcome.message);
   return kToleranceMissed;
 }
 

@@ -33,7 +33,9 @@ struct SweepArguments {
 void check_sweep_target(const SweepArguments& arguments) {
   check_file_output(arguments.output, {arguments.plan});
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(arguments.output, ignored) && !motion::is_sweep(arguments.output))
+  if (!std::filesystem::is_regular_file(arguments.output, ignored)) return;
+  require_readable(arguments.output);
+  if (!motion::is_sweep(arguments.output))
     throw ArgumentError(fmt::format("the output \"{}\" is a file, and no sweep", arguments.output));
 }
 

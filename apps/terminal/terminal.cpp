@@ -8,8 +8,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/models/checks/parameter_warnings.h"
 #include "terminal/interrupts.h"
@@ -38,6 +40,12 @@ void hold_closed_streams() {
     if (fcntl(stream, F_GETFD) < 0)
       ::open("/", O_PATH | O_DIRECTORY);  // takes the lowest number that is free
   }
+}
+
+void require_stdin(const std::string& expected) {
+  struct stat status = {};
+  if (::fstat(STDIN_FILENO, &status) != 0 || S_ISDIR(status.st_mode))
+    throw InputError("stdin", fmt::format("is closed, or a directory; expected {}", expected));
 }
 
 void set_verbosity(Verbosity verbosity) {

@@ -21,6 +21,8 @@ inline constexpr int kInterrupted = 130;
 /// To be called first. Closed standard streams are opened such that they can be neither read nor written:
 /// else a file opened later would take their descriptor, and receive what is written to them.
 void hold_closed_streams();
+/// @throws InputError if stdin is one of them, or a directory. @param expected in it
+void require_stdin(const std::string& expected);
 
 /// How much is said on stderr. Errors always are.
 enum class Verbosity {

@@ -8,6 +8,8 @@ import math
 import os
 import pathlib
 import re
+import shutil
+import subprocess
 
 from samara_case import FOLDER, SAMARA, Case, main, run, write
 
@@ -36,6 +38,43 @@ class OwnModels(Case):
         self.assertEqual((written.returncode, written.stdout, (FOLDER / "check.txt").read_text()), (0, "", checked.stdout))
         row = run("simulate", path, "--until", "2", "--frames", "2").stdout.splitlines()[-1]
         self.assertAlmostEqual(float(row.split(",")[1]), 0.36787944, delta=1e-7)
+
+    def test_rows_that_are_empty_are_told_by_the_first_of_them(self):
+        path = write("bursting.toml", MODEL.replace("-rate*x", "rate*x^2").replace('"1/s", default = 0.5', '"1/(m s)", default = 1'))
+        result = run("simulate", path, "--until", "2", "--frames", "9")
+        self.assertEqual(result.returncode, 4)
+        self.assertEqual(result.stdout.splitlines()[5:], ["1,", "1.25,", "1.5,", "1.75,", "2,"])
+        self.assertIn("rows from t = 1 on are empty", result.stderr)  # it ends at 1 but for round-off
+
+    def test_statistics_say_what_they_leave_out(self):
+        write("squared.toml", MODEL + '[outputs]\ny = { value = "x^2", unit = "m^2" }\n')
+        self.assertEqual(run("build", write("squared_plan.toml", 'model = "squared.toml"\n' + BOX), "-o", FOLDER / "squared.h5").returncode, 0)
+        result = run("stats", FOLDER / "squared.h5", "--json")
+        sentence = "what the model derives is left out, y: statistics are of what the codebook stores"
+        self.assertIn(sentence, result.stderr)
+        answer = json.loads(result.stdout)
+        self.assertIn(sentence, answer["notes"])
+        self.assertEqual([output["name"] for output in answer["outputs"]], ["x"])
+
+    def test_info_shows_the_transform_of_an_axis(self):
+        write("slow.toml", MODEL)
+        for name, rate, told in (("plain", "[0.4, 0.6]", None), ("log", '{ range = [0.1, 1], transform = "log" }', "log")):
+            plan = write(f"{name}_rate.toml", 'model = "slow.toml"\n' + BOX.replace("[0.4, 0.6]", rate))
+            self.assertEqual(run("build", plan, "-o", FOLDER / "rate.h5", "--fresh").returncode, 0)
+            head, time, row = run("info", FOLDER / "rate.h5").stdout.splitlines()[3:6]
+            self.assertEqual("transform" in head, told is not None)
+            if told:
+                self.assertEqual((time.split()[-1], row.split()[-1]), ("none", told))
+
+    def test_an_output_that_cannot_be_read_is_not_said_to_be_another_file(self):
+        if not shutil.which("setpriv"):
+            self.skipTest("root reads every file, and setpriv is missing")
+        write("slow.toml", MODEL)
+        plan, target = write("slow_plan.toml", 'model = "slow.toml"\n' + BOX), write("secret.h5", "x")
+        target.chmod(0)
+        without = ["setpriv", "--inh-caps=-all", "--bounding-set=-all"] if os.geteuid() == 0 else []
+        result = subprocess.run([*without, SAMARA, "build", plan, "-o", target], capture_output=True, text=True, timeout=100)
+        self.check_error(result, 2, "secret.h5", "is a file that cannot be read (Permission denied)")
 
     def test_outputs_are_integrated_queried_and_fitted(self):
         path = write("pendulum.toml", """name = "pendulum"

@@ -94,6 +94,12 @@ class Streams(Case):
                 with self.subTest(call=arguments, streams=redirection):
                     self.assertEqual(redirected(redirection, arguments).returncode, 2 if usual.stdout else usual.returncode)
 
+    def test_a_closed_stdin_that_is_asked_for_is_told(self):
+        for arguments in (["query", self.line, "--points", "-"], ["build", "-", "-o", FOLDER / "nothing.h5"]):
+            result = redirected("<&-", arguments)
+            self.assertEqual(result.returncode, 3)
+            self.assertIn("samara: stdin: is closed, or a directory; expected a ", result.stderr)
+
     def test_a_closed_stdout_named_as_the_output_is_refused(self):
         result = redirected(">&-", ["query", self.line, "--set", "k=4", "-o", "/dev/stdout"])
         self.assertEqual(result.returncode, 2)
