@@ -8,13 +8,14 @@
 namespace samara::codebooks {
 
 /// How far one output of a codebook is from the independent integrator. Errors are divided by
-/// max(range of the output over box and time, the plan's absolute tolerance for it), unless they say SI. All
+/// max(range of the output over box and time, the plan's absolute tolerance for it), or its size where it is constant
+/// up to rounding (pgd/fields/error_scale.h), unless they say SI. All
 /// numbers are NaN, and `worst` is empty, where no integration succeeded. `max`, `max_si` and `worst` count
 /// the ends of climbs, too.
 struct OutputError {
   std::string name;
   std::string unit;
-  double range = 0.0;   ///< what errors are divided by, SI
+  double range = 0.0;   ///< what errors are divided by, SI; of a constant its size, of zero 1
   double max = 0.0;     ///< over all points and times
   double p95 = 0.0;     ///< 95 % quantile over points of the largest error over times
   double mean = 0.0;    ///< mean over points of the largest error over times

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/number_text.h"
 #include "samara/base/unit_labels.h"
@@ -129,6 +129,8 @@ Interval interval_of(const models::ParameterInfo& parameter) {
   double lower = 0.9 * value, upper = 1.1 * value;
   if (value == 0.0) upper = 0.1;
   if (lower > upper) std::swap(lower, upper);
+  if (!(lower > parameter.lower))
+    lower = parameter.lower_inclusive ? parameter.lower : 0.5 * (parameter.lower + value);
   return {parameter.name, lower, std::min(upper, parameter.upper)};
 }
 
@@ -185,14 +187,17 @@ bool trajectories_reach(double end, const models::Model& model, const Interval& 
   return reaches(free.lower) && reaches(0.5 * (free.lower + free.upper)) && reaches(free.upper);
 }
 
-/// The time, or what is left of it by halving, that solutions of finite time all have.
+/// The time, or what is left of it by halving, that solutions of finite time all have; where none was found, the time.
 double reached_end(double end, const models::Model& model, const Interval& free) {
-  constexpr int kMostHalvings = 8;
+  constexpr int kMostHalvings = 6;
   try {
-    for (int halving = 0; halving < kMostHalvings && !trajectories_reach(end, model, free); ++halving)
-      end = rounded(0.5 * end);
-  } catch (const Error&) {
-    // What must be said of such a model first is the reader's to say.
+    double shorter = end;
+    for (int halving = 0; halving <= kMostHalvings; ++halving) {
+      if (trajectories_reach(shorter, model, free)) return shorter;
+      shorter = rounded(0.5 * shorter);
+    }
+  } catch (const std::exception&) {
+    // What must be said of such a model first, or what it throws, is the reader's to see when he builds.
   }
   return end;
 }

@@ -19,7 +19,7 @@ namespace samara::codebooks {
 namespace {
 
 constexpr std::string_view kFormat = "samara-checkpoint";
-constexpr int kVersion = 7;
+constexpr int kVersion = 8;
 
 /// Checkpoints go on to the last bit, which only the program that wrote them does.
 std::string format_record() {

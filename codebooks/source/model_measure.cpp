@@ -19,9 +19,11 @@ Eigen::VectorXd floors_of(const std::map<std::string, double>& absolute,
 
 Eigen::VectorXd state_sizes(const models::ParametricModel& model, const Eigen::VectorXd& q) {
   const models::Scales scales = model.scales({q.data(), static_cast<std::size_t>(q.size())});
-  Eigen::VectorXd sizes(model.state_count());
-  for (Eigen::Index s = 0; s < sizes.size(); ++s)
-    sizes[s] = models::state_scale(model.model().info().states[static_cast<std::size_t>(s)], scales);
+  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(model.state_count());
+  for (Eigen::Index s = 0; s < sizes.size(); ++s) {
+    const models::StateInfo& state = model.model().info().states[static_cast<std::size_t>(s)];
+    if (models::has_scale(state)) sizes[s] = models::state_scale(state, scales);
+  }
   return sizes;
 }
 

@@ -17,7 +17,7 @@ namespace samara::codebooks {
 Eigen::VectorXd floors_of(const std::map<std::string, double>& absolute,
                           const std::vector<pgd::OutputLabel>& outputs);
 
-/// The characteristic sizes of the model's states. @param q free coordinates
+/// The characteristic sizes of the model's states, 0 where nothing says one. @param q free coordinates
 Eigen::VectorXd state_sizes(const models::ParametricModel& model, const Eigen::VectorXd& q);
 
 /// Factor for the integrator's tolerance, which is relative to the sizes of the states, so that it counts by what

@@ -107,6 +107,11 @@ double state_scale(const StateInfo& state, const Scales& scales) {
   return 1.0;
 }
 
+bool has_scale(const StateInfo& state) {
+  return state.scale || state.unit == "m" || state.unit == "m/s" || state.unit == "rad/s" ||
+         state.unit == "1/s";
+}
+
 bool in_meaning(const ParameterInfo& parameter, double value) {
   return (parameter.lower_inclusive ? value >= parameter.lower : value > parameter.lower) &&
          value <= parameter.upper;

@@ -222,6 +222,8 @@ AffineSplit affine_split(const Model& model, double t, std::span<const double> x
 
 /// The scale of a state: its own, or length, velocity, 1/time by its unit ("m", "m/s", "rad/s" or "1/s"), else 1.
 double state_scale(const StateInfo& state, const Scales& scales);
+/// Whether that follows from what the model says, and is not 1 for want of it.
+bool has_scale(const StateInfo& state);
 
 /// "s", or "1" for a model all of whose states and parameters are dimensionless.
 std::string time_unit(const ModelInfo& info);

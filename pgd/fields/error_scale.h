@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-/// What errors of an output are divided by: everywhere the same, in builders, certificates and compaction.
+/// What errors of an output are divided by: the same in builders and certificates. Compaction does not know sizes.
 namespace samara::pgd {
 
 /// The values of an output, as far as they decide that.

@@ -104,6 +104,28 @@ TEST_CASE("text and C++ end in the same codebook") {
   }
 }
 
+TEST_CASE("a state that nothing gives a size is measured by its range, however small that is") {
+  const BuildResult result = build(parse_plan(R"([equations]
+name = "droplet"
+states.x = { initial = 1 }
+states.m = { unit = "kg" }
+parameters.k = { unit = "1/s" }
+rates.x = "-k*x"
+rates.m = "1e-13 [kg]*k*x"
+[box]
+k = [1, 3]
+[time]
+end = "1 s"
+[tolerance]
+relative = 1e-4
+)",
+                                              "droplet.toml"),
+                                   few());
+  const OutputError& mass = result.book.certificate()->outputs.at(1);
+  CHECK(mass.range < 1e-12);
+  CHECK(mass.range > 1e-14);
+}
+
 TEST_CASE("a state that is constant up to rounding is met, by its size or the absolute tolerance") {
   const std::string equations = R"([equations]
 name = "decay"
