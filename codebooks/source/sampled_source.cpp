@@ -20,25 +20,21 @@ namespace samara::codebooks {
 
 namespace {
 
-/// Noise of the integrator would be taken for structure: far below the tolerance.
-double integrator_tolerance(const Plan& plan, const models::ParametricModel& model,
-                            const pgd::OutputMeasure& measure) {
+/// The lowest corner of the box, its centre, and the highest corner, as columns.
+Eigen::MatrixXd diagonal_of(const Plan& plan) {
   Eigen::MatrixXd points(static_cast<Eigen::Index>(plan.box.size()), 3);
   for (Eigen::Index k = 0; k < points.rows(); ++k) {
     const BoxEntry& entry = plan.box[static_cast<std::size_t>(k)];
     points.row(k) << entry.lower, 0.5 * (entry.lower + entry.upper), entry.upper;
   }
-  const double share = share_for_range(model, points, plan.end, measure);
-  return std::clamp(1e-4 * share * plan.relative, 1e-13, 1e-8);
+  return points;
 }
 
-Eigen::VectorXd centre_of(const Plan& plan) {
-  Eigen::VectorXd centre(static_cast<Eigen::Index>(plan.box.size()));
-  for (Eigen::Index k = 0; k < centre.size(); ++k) {
-    const BoxEntry& entry = plan.box[static_cast<std::size_t>(k)];
-    centre[k] = 0.5 * (entry.lower + entry.upper);
-  }
-  return centre;
+/// Noise of the integrator would be taken for structure: far below the tolerance.
+double integrator_tolerance(const Plan& plan, const models::ParametricModel& model,
+                            const pgd::OutputMeasure& measure) {
+  const double share = share_for_range(model, diagonal_of(plan), plan.end, measure);
+  return std::clamp(1e-4 * share * plan.relative, 1e-13, 1e-8);
 }
 
 /// Trajectories of the model at many points at a time.
@@ -173,12 +169,14 @@ SampledSource model_source(const Plan& plan, const models::ParametricModel& mode
   }
   for (const auto& state : info.states) source.outputs.push_back({state.name, state.unit});
   source.measure = {.floors = floors_of(plan.absolute, source.outputs),
-                    .sizes = state_sizes(model, centre_of(plan))};
+                    .sizes = state_sizes(model, diagonal_of(plan).col(1))};
   source.time_unit = models::time_unit(info);
   source.answers_name = "trajectory";
-  const double tolerance = integrator_tolerance(plan, model, source.measure);
-  source.answers = [trajectories = std::make_shared<Trajectories>(plan, model, tolerance)](
-                       const Eigen::MatrixXd& points, const std::vector<double>& times) {
+  // Made when first asked: who steps the model by himself needs no tolerance, which takes trajectories to find.
+  source.answers = [trajectories = std::shared_ptr<Trajectories>(), plan, &model, measure = source.measure](
+                       const Eigen::MatrixXd& points, const std::vector<double>& times) mutable {
+    if (!trajectories)
+      trajectories = std::make_shared<Trajectories>(plan, model, integrator_tolerance(plan, model, measure));
     return (*trajectories)(points, times);
   };
   source.batch = 256;
