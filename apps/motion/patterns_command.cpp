@@ -32,9 +32,10 @@ namespace {
 
 std::vector<identification::Capture> captures_of(const PatternsArguments& arguments) {
   std::vector<identification::Capture> all;
-  for (const std::string& file : arguments.inputs) {
+  const std::vector<std::filesystem::path> files(arguments.inputs.begin(), arguments.inputs.end());
+  identification::check_sidecar(arguments.sidecar, files, false);
+  for (const std::filesystem::path& file : files)
     std::ranges::move(identification::read_captures(file, arguments.sidecar), std::back_inserter(all));
-  }
   if (all.empty()) throw InputError(arguments.inputs.front(), "has no captures, expected at least one");
   return all;
 }

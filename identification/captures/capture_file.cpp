@@ -258,6 +258,17 @@ bool is_table(const std::filesystem::path& path) {
   return ending_of(path) != ".toml";
 }
 
+void check_sidecar(const std::filesystem::path& sidecar, std::span<const std::filesystem::path> captures,
+                   bool in_memory) {
+  if (sidecar.empty() || std::ranges::any_of(captures, is_table)) return;
+  if (captures.empty() && !in_memory) return;  // that there is no capture is said in its place
+  throw ArgumentError(fmt::format(
+      "--sidecar \"{}\" says what the columns of table files are, and every capture given is {}; a table "
+      "file was expected",
+      sidecar.string(),
+      captures.empty() ? "in memory, where columns say it themselves" : "a sidecar itself"));
+}
+
 std::vector<Capture> read_captures(const std::filesystem::path& path, const std::filesystem::path& sidecar) {
   return read_all(find_sidecar(path, sidecar));
 }

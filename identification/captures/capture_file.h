@@ -98,6 +98,11 @@ std::vector<std::filesystem::path> capture_files(const std::filesystem::path& pa
 /// Whether a capture file is a table, and no sidecar itself.
 bool is_table(const std::filesystem::path& path);
 
+/// The sidecar of many tables would do nothing where no capture is a table.
+/// @param in_memory whether captures are given that are no files  @throws ArgumentError
+void check_sidecar(const std::filesystem::path& sidecar, std::span<const std::filesystem::path> captures,
+                   bool in_memory);
+
 /// Captures of a table through a sidecar that does not name it: one for many tables.
 /// @param path a table; a pattern ("[0-9]*.csv") stands for every file that matches. Labels are looked for beside it.
 ///   What is no table goes through itself

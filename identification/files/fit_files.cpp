@@ -70,19 +70,11 @@ void check_times(const FitRequest& request) {
   }
 }
 
-/// A sidecar that no table needs would do nothing.
-void check_sidecar(const FitRequest& request) {
-  if (request.sidecar.empty() || std::ranges::any_of(request.captures, is_table) ||
-      std::ranges::any_of(request.left_out, is_table)) {
-    return;
-  }
-  const bool has_files = !request.captures.empty() || !request.left_out.empty();
-  if (!has_files && request.measured.empty()) return;  // that there is no capture is said in its place
-  throw ArgumentError(fmt::format(
-      "--sidecar \"{}\" says what the columns of table files are, and every capture given is {}; a table "
-      "file was expected",
-      request.sidecar.string(),
-      has_files ? "a sidecar itself" : "in memory, where columns say it themselves"));
+/// Of all captures of a request.
+void check_sidecar_of(const FitRequest& request) {
+  std::vector<std::filesystem::path> files = request.captures;
+  files.insert(files.end(), request.left_out.begin(), request.left_out.end());
+  check_sidecar(request.sidecar, files, !request.measured.empty());
 }
 
 /// Tells the caller each warning once, as soon as it is known.
@@ -272,7 +264,7 @@ FitRequest with_petab(FitRequest request, const std::filesystem::path& path, Pet
 }  // namespace
 
 std::vector<std::filesystem::path> files_read(const FitRequest& request) {
-  check_sidecar(request);
+  check_sidecar_of(request);
   std::vector<std::filesystem::path> files;
   for (const auto& paths : {request.captures, request.left_out}) {
     for (const std::filesystem::path& path : paths) {
@@ -315,7 +307,7 @@ FitReport fit_files(const FitRequest& request) {
     return report;
   }
   check_times(request);
-  check_sidecar(request);
+  check_sidecar_of(request);
   WarningTeller teller(request);
   // Kept by the objective, which asks its family.
   const auto kept = std::make_shared<FitSource>(open_fit_source(request));

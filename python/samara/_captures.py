@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._errors import ArgumentError
-from ._units import file_in, mask_of
+from ._units import mask_of
 
 _COLUMN = re.compile(r"\s*(?P<name>.+?)\s*\[(?P<unit>[^\]]*)\]\s*\Z")
 
@@ -33,17 +33,6 @@ def files_and_tables(given: Any) -> tuple[list[str], list[dict[str, Any]]]:
         else:
             tables.append(_capture(item, getattr(item, "attrs", {}).get("id", f"capture {k + 1}")))
     return files, tables
-
-
-def sidecar_of(files: list[str], sidecar: Any) -> str:
-    """The file that says what the columns of the tables among ``files`` are; empty: none is given."""
-    name = file_in(sidecar, "sidecar")
-    if name and all(file.lower().endswith(".toml") for file in files):
-        given = "a sidecar itself" if files else "in memory, where columns say it themselves"
-        raise ArgumentError(
-            f'sidecar "{name}" says what the columns of table files are, and every capture given is {given}; a table file was expected'
-        )
-    return name
 
 
 def _is_table(given: Any) -> bool:

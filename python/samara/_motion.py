@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from . import _core, _html
 from ._building import Path
-from ._captures import files_and_tables, sidecar_of
+from ._captures import files_and_tables
 from ._errors import ArgumentError
 from ._labels import optional
 from ._models import AnyModel, _info, core_model
-from ._units import Quantity, as_mapping, check_names, counted, one_si, real_array, thresholds_in
+from ._units import Quantity, as_mapping, check_names, counted, file_in, one_si, real_array, thresholds_in
 
 PATTERNS: tuple[str, ...] = tuple(_core.pattern_names())
 """In the order of every array that has a column for each."""
@@ -133,7 +133,7 @@ def records(captures: Any, length: Quantity = 0.0, sidecar: Optional[Path] = Non
     :param length: of the body, m; 0: not known
     """
     files, tables = files_and_tables(captures)
-    found = _core.motion_records(files, tables, sidecar_of(files, sidecar), one_si(length, "m", "length", least=0))
+    found = _core.motion_records(files, tables, file_in(sidecar, "sidecar"), one_si(length, "m", "length", least=0))
     return [Record(**one) for one in found]
 
 

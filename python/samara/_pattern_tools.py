@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._building import Path
-from ._captures import files_and_tables, sidecar_of
+from ._captures import files_and_tables
 from ._errors import ArgumentError
 from ._labels import optional
-from ._units import Quantity, as_mapping, counted, one_si, real_array, thresholds_in, whole
+from ._units import Quantity, as_mapping, counted, file_in, one_si, real_array, thresholds_in, whole
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def agreement(
     words = {str(k): [v] if isinstance(v, str) else list(v) for k, v in as_mapping(classes or {}, "classes").items()}
     files, tables = files_and_tables(captures)
     found, confusion, share, balanced, kappa, rand, segments = _core.segment_agreement(
-        files, tables, sidecar_of(files, sidecar), os.fspath(labels) if is_file else None, [] if is_file else _rows(labels), words,
+        files, tables, file_in(sidecar, "sidecar"), os.fspath(labels) if is_file else None, [] if is_file else _rows(labels), words,
         one_si(length, "m", "length", least=0), thresholds_in(thresholds),
     )
     return Agreement(found, confusion.astype(np.int64), share, balanced, kappa, rand, segments)

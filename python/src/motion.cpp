@@ -291,10 +291,10 @@ motion::PatternThresholds thresholds_of(const std::map<std::string, double>& val
 std::vector<identification::Capture> captures_from(const std::vector<std::filesystem::path>& files,
                                                    const py::list& tables,
                                                    const std::filesystem::path& sidecar) {
+  identification::check_sidecar(sidecar, files, !tables.empty());
   std::vector<identification::Capture> captures;
-  for (const std::filesystem::path& file : files) {
+  for (const std::filesystem::path& file : files)
     std::ranges::move(identification::read_captures(file, sidecar), std::back_inserter(captures));
-  }
   for (const py::handle table : tables) captures.push_back(capture_of(table.cast<py::dict>()));
   return captures;
 }
