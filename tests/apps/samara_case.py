@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -106,6 +107,19 @@ def book(name, plan):
 
 
 class Case(unittest.TestCase):
+    def pattern_page(self, *arguments):
+        """The text of a page of samara patterns, and the data in it."""
+        page = FOLDER / "patterns.html"
+        result = run("patterns", *arguments, "--report", page)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        text = page.read_text()
+        # The licence and the library's own comment name its place; nothing is loaded from there.
+        self.assertEqual(re.findall(r"(?:src|href)\s*=\s*[\"'](?!#)", text), [])
+        self.assertIn("default-src 'none'", text)
+        self.assertIn("Permission is hereby granted", text)
+        self.assertEqual(text.count("</script>"), 3)
+        return text, json.loads(re.search(r'id="patterns">(.*?)</script>', text, re.S)[1])
+
     def check_schema(self, answer):
         """An answer that did not come by run(), too. @returns the name of its schema"""
         check_schema(answer)

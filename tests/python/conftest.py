@@ -14,6 +14,21 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COIN = ROOT / "examples" / "coin"
 COMMAND = os.environ["SAMARA"]
 
+PLATES = {
+    "model": "falling_plate_nd",
+    "fixed": {"beta": 0},
+    "axes": {"inertia_ratio": {"from": 0.8, "to": 2.4, "count": 9}, "C_R": [2.2, 2.7, 3.2]},
+    "releases": {"tilt": [0.4, "40 deg"]},
+    "run": {"until": 120, "step": 0.05},
+}
+LEAF = {"a": "3.5 cm", "b": "2 cm", "c": "0.1 mm", "density": 800, "C_D0": 0.05, "C_w": 2, "C_D90": 1.9, "C_T": 1.2, "C_R": 1.0,
+        "z(0)": 1.0}
+MEADOW = '[mean]\nspeed = "4 m/s"\nroughness = "3 cm"\n[turbulence]\nsigma = "0.8 m/s"\nlength = "5 m"\nmodes = 20\n'
+
+
+def helix(t):
+    return np.stack([0.1 * np.cos(6 * t), 0.1 * np.sin(6 * t), -0.4 * t], 1)
+
 
 def command(*arguments, codes=(0,)):
     result = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300)
