@@ -176,6 +176,8 @@ Shape mesh_shape(const models::TriangleMesh& mesh, double thickness) {
   shape.dimensions = 3;
   shape.half = 0.5 * (high - low) / longest;
   shape.thickness = thickness;
+  shape.volume = models::enclosed_volume(scaled);
+  shape.corners = scaled.vertices;
   shape.sizes.assign(scaled.vertices.data(), scaled.vertices.data() + scaled.vertices.size());
   shape.sizes.insert(shape.sizes.end(), scaled.triangles.data(),
                      scaled.triangles.data() + scaled.triangles.size());

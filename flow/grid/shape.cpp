@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <queue>
 #include <utility>
 
 #include <fmt/format.h>
@@ -83,6 +84,44 @@ double polygon_distance(const Eigen::Matrix2Xd& corners, const Eigen::Vector3d& 
   return inside ? -std::sqrt(squared) : std::sqrt(squared);
 }
 
+/// Radius of the widest circle within a polygon, to 1e-3 of it: squares that hold no centre of a wider one are dropped,
+/// the others quartered.
+double widest_circle(const Eigen::Matrix2Xd& corners) {
+  struct Square {
+    Eigen::Vector2d centre;
+    double half;
+    double depth;  ///< of its centre within the polygon
+    double most() const { return depth + std::sqrt(2.0) * half; }
+    bool operator<(const Square& other) const { return most() < other.most(); }
+  };
+  const auto square_at = [&](const Eigen::Vector2d& centre, double half) {
+    return Square{centre, half, -polygon_distance(corners, {centre.x(), centre.y(), 0.0})};
+  };
+  const Eigen::Vector2d low = corners.rowwise().minCoeff(), size = corners.rowwise().maxCoeff() - low;
+  // In a row along the longer side, so that the middle of a strip is the centre of one.
+  const double side = std::max(size.minCoeff(), 1e-3 * size.maxCoeff());
+  const auto along = static_cast<int>(std::ceil(size.maxCoeff() / side));
+  std::priority_queue<Square> squares;
+  double widest = 0.0;
+  const auto consider = [&](const Square& square) {
+    widest = std::max(widest, square.depth);
+    squares.push(square);
+  };
+  for (int k = 0; k < along; ++k) {
+    const Eigen::Vector2d step =
+        size.x() > size.y() ? Eigen::Vector2d(k + 0.5, 0.5) : Eigen::Vector2d(0.5, k + 0.5);
+    consider(square_at(low + side * step, 0.5 * side));
+  }
+  while (squares.top().most() > 1.001 * widest) {
+    const Square square = squares.top();
+    squares.pop();
+    for (const Eigen::Vector2d& to :
+         {Eigen::Vector2d(-1, -1), Eigen::Vector2d(-1, 1), Eigen::Vector2d(1, -1), Eigen::Vector2d(1, 1)})
+      consider(square_at(square.centre + 0.5 * square.half * to, 0.5 * square.half));
+  }
+  return widest;
+}
+
 /// @throws ArgumentError if two edges of a polygon cross: then it has no inside
 void require_simple(const Eigen::Matrix2Xd& corners) {
   const Eigen::Index count = corners.cols();
@@ -109,6 +148,7 @@ Shape ellipsoid_of(const Eigen::Vector3d& axes, int dimensions, const char* kind
           [axes, dimensions](const Eigen::Vector3d& x) { return ellipsoid_distance(axes, dimensions, x); },
           half,
           2.0 * axes.head(dimensions).minCoeff(),
+          (dimensions == 2 ? M_PI : 4.0 / 3.0 * M_PI) * axes.head(dimensions).prod(),
           {axes.data(), axes.data() + dimensions}};
 }
 
@@ -120,7 +160,12 @@ Shape box_of(const Eigen::Vector3d& sides, int dimensions, const char* kind) {
           [half, dimensions](const Eigen::Vector3d& x) { return box_distance(half, dimensions, x); },
           half,
           sides.head(dimensions).minCoeff(),
+          sides.head(dimensions).prod(),
           {sides.x(), sides.y(), sides.z()}};
+}
+
+bool is_round(const Shape& shape) {
+  return shape.kind == "ellipse" || shape.kind == "ellipsoid";
 }
 
 }  // namespace
@@ -161,16 +206,16 @@ Shape polygon_section(const Eigen::Matrix2Xd& corners) {
   const Eigen::Vector2d centre = 0.5 * (low + high);
   const Eigen::Matrix2Xd about_centre = corners.colwise() - centre;
   const Eigen::Vector2d half = 0.5 * (high - low);
-  // Twice the area over the perimeter: the side of a square, the thickness of a strip.
-  double perimeter = 0.0;
-  for (Eigen::Index i = 0, before = corners.cols() - 1; i < corners.cols(); before = i++)
-    perimeter += (corners.col(i) - corners.col(before)).norm();
+  Eigen::Matrix3Xd in_space = Eigen::Matrix3Xd::Zero(3, corners.cols());
+  in_space.topRows<2>() = about_centre;
   return {"polygon",
           2,
           [about_centre](const Eigen::Vector3d& x) { return polygon_distance(about_centre, x); },
           {half.x(), half.y(), 0.0},
-          2.0 * std::abs(area) / perimeter,
-          {corners.data(), corners.data() + corners.size()}};
+          2.0 * widest_circle(about_centre),
+          std::abs(area),
+          {corners.data(), corners.data() + corners.size()},
+          std::move(in_space)};
 }
 
 Shape ellipsoid_shape(const Eigen::Vector3d& semi_axes) {
@@ -215,12 +260,29 @@ bool PlacedShape::separates(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   return std::abs(crossing) <= shape_.half.x();
 }
 
+Eigen::Matrix3Xd PlacedShape::turned_corners() const {
+  Eigen::Matrix3Xd turned = shape_.corners;
+  turned.row(0) = cosine_ * shape_.corners.row(0) + sine_ * shape_.corners.row(1);
+  turned.row(1) = cosine_ * shape_.corners.row(1) - sine_ * shape_.corners.row(0);
+  return turned;
+}
+
 Eigen::Vector3d PlacedShape::half_extent() const {
+  if (shape_.corners.size() > 0) return turned_corners().cwiseAbs().rowwise().maxCoeff();
   const Eigen::Vector3d& h = shape_.half;
   const double c = std::abs(cosine_), s = std::abs(sine_);
-  if (shape_.kind == "ellipse" || shape_.kind == "ellipsoid")
-    return {std::hypot(c * h.x(), s * h.y()), std::hypot(s * h.x(), c * h.y()), h.z()};
+  if (is_round(shape_)) return {std::hypot(c * h.x(), s * h.y()), std::hypot(s * h.x(), c * h.y()), h.z()};
   return {c * h.x() + s * h.y(), s * h.x() + c * h.y(), h.z()};
+}
+
+double PlacedShape::frontal_size() const {
+  double height = 2.0 * half_extent().y();
+  if (shape_.corners.size() > 0) {
+    const Eigen::Matrix3Xd turned = turned_corners();
+    height = turned.row(1).maxCoeff() - turned.row(1).minCoeff();
+  }
+  if (shape_.dimensions == 2) return height;
+  return height * 2.0 * shape_.half.z() * (is_round(shape_) ? 0.25 * M_PI : 1.0);
 }
 
 }  // namespace samara::flow

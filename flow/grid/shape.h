@@ -16,8 +16,10 @@ struct Shape {
   int dimensions = 2;  ///< 2: a section, whose distance does not look at z
   std::function<double(const Eigen::Vector3d&)> distance;
   Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< half the extents along its axes
-  double thickness = 0.0;                          ///< where it is thinnest
-  std::vector<double> sizes = {};                  ///< as given, corners of a polygon one after the other
+  double thickness = 0.0;          ///< where it is thinnest; of a polygon, of the widest circle within
+  double volume = 0.0;             ///< of a section: its area
+  std::vector<double> sizes = {};  ///< as given, corners of a polygon one after the other
+  Eigen::Matrix3Xd corners = {};   ///< of a polygon or a mesh, in its axes: what its turned extents are of
   /// A plate without thickness along x, from -half.x to half.x: it closes faces, and its distance is never negative.
   bool baffle = false;
 };
@@ -51,13 +53,16 @@ class PlacedShape {
   bool separates(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
   const Shape& shape() const { return shape_; }
   const Eigen::Vector3d& place() const { return place_; }
-  /// Half the extents of a box along the axes of the domain that holds it.
+  /// Half the extents of a box along the axes of the domain, about its place, that holds it.
   Eigen::Vector3d half_extent() const;
-  /// Extent across the stream, along y.
-  double height() const { return 2.0 * half_extent().y(); }
+  /// What it takes of a stream along x: the extent along y of a section; in space the area of its shadow, of a
+  /// mesh that of the box about its turned corners.
+  double frontal_size() const;
 
  private:
   Eigen::Vector3d in_axes(const Eigen::Vector3d& point) const;
+  /// The corners along the axes of the domain, about its place.
+  Eigen::Matrix3Xd turned_corners() const;
 
   Shape shape_;
   Eigen::Vector3d place_;

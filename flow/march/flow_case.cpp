@@ -40,8 +40,7 @@ std::array<int, 3> cells_of(const FlowCase& flow) {
 
 double blockage(const FlowCase& flow) {
   const PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), flow.angle_of_attack);
-  const double height = body.height() / (2.0 * flow.extent.side);
-  return flow.shape.dimensions == 2 ? height : height * flow.shape.half.z() / flow.extent.side;
+  return body.frontal_size() / std::pow(2.0 * flow.extent.side, flow.shape.dimensions - 1);
 }
 
 double memory_of(const FlowCase& flow) {
@@ -78,7 +77,8 @@ void check_case(const FlowCase& flow, double max_memory) {
     throw ArgumentError(
         fmt::format("flow: the body takes {:.0f} % of the stream's width, expected at most {:.0f} %: a side "
                     "of at least {:.3g} body lengths",
-                    100.0 * share, 100.0 * kMostBlockage, flow.extent.side * share / kMostBlockage));
+                    100.0 * share, 100.0 * kMostBlockage,
+                    flow.extent.side * std::pow(share / kMostBlockage, 1.0 / (flow.shape.dimensions - 1))));
   if (const double bytes = memory_of(flow); bytes > max_memory)
     throw ArgumentError(fmt::format("flow: the case takes {:.2g} GB, expected at most max_memory, {:.2g} GB",
                                     1e-9 * bytes, 1e-9 * max_memory));

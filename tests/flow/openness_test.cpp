@@ -41,6 +41,48 @@ TEST_CASE("open cells leave out the area of the body", "[flow]") {
   CHECK(area(polygon_section(corners), 0.4) == Approx(area(rectangle_section(0.4, 0.2), 0.4)).margin(1e-12));
 }
 
+TEST_CASE("a polygon is as thin as the widest circle within it, and takes of a stream what its outline does",
+          "[flow]") {
+  const auto polygon = [](std::vector<double> x, std::vector<double> y) {
+    Eigen::Matrix2Xd corners(2, std::ssize(x));
+    for (Eigen::Index k = 0; k < corners.cols(); ++k)
+      corners.col(k) << x[static_cast<std::size_t>(k)], y[static_cast<std::size_t>(k)];
+    return polygon_section(corners);
+  };
+  const auto frontal = [](const Shape& shape, double angle) {
+    return PlacedShape(shape, {3.0, 1.0, 0.0}, angle).frontal_size();
+  };
+  const double h = std::sqrt(0.5);
+  const Shape square = polygon({-0.15, 0.15, 0.15, -0.15}, {-0.15, -0.15, 0.15, 0.15});
+  const Shape strip = polygon({0.0, 1.0, 1.0, 0.0}, {0.0, 0.0, 0.07, 0.07});
+  const Shape diamond = polygon({-h, 0.0, h, 0.0}, {0.0, -h, 0.0, h});  // a unit square
+  const Shape triangle = polygon({0.0, 3.0, 0.0}, {0.0, 0.0, 4.0});
+  const Shape elbow = polygon({0, 2, 2, 0.4, 0.4, 0}, {0, 0, 0.3, 0.3, 2, 2});
+  CHECK(square.thickness == Approx(0.3).epsilon(1e-12));
+  CHECK(strip.thickness == Approx(0.07).epsilon(1e-12));
+  CHECK(diamond.thickness == Approx(1.0).epsilon(1e-3));
+  CHECK(triangle.thickness == Approx(2.0).epsilon(1e-3));  // radius (3 + 4 - 5)/2
+  // It touches both outer sides and the inner corner: (0.4 - r)^2 + (0.3 - r)^2 = r^2.
+  CHECK(elbow.thickness == Approx(1.4 - std::sqrt(0.96)).epsilon(1e-3));
+  CHECK(triangle.volume == Approx(6.0));
+  CHECK(frontal(diamond, 0.25 * kPi) == Approx(1.0));
+  CHECK(frontal(diamond, 0.0) == Approx(2.0 * h));
+  CHECK(frontal(triangle, 0.0) == Approx(4.0));
+  CHECK(frontal(triangle, 0.5 * kPi) == Approx(3.0));
+  CHECK(frontal(rectangle_section(1.0, 1.0), 0.25 * kPi) == Approx(2.0 * h));
+  CHECK(frontal(ellipsoid_shape({0.5, 0.2, 0.3}), 0.0) == Approx(0.06 * kPi));
+  // Nothing of it is outside the box about its place, which is that of its own box.
+  const PlacedShape turned(triangle, Eigen::Vector3d::Zero(), 0.7);
+  const Eigen::Vector3d half = turned.half_extent();
+  for (int k = 0; k < 100; ++k) {
+    const double along = -3.0 + 0.06 * k;
+    CHECK(turned.distance({half.x() + 1e-9, along, 0.0}) > 0.0);
+    CHECK(turned.distance({-half.x() - 1e-9, along, 0.0}) > 0.0);
+    CHECK(turned.distance({along, half.y() + 1e-9, 0.0}) > 0.0);
+    CHECK(turned.distance({along, -half.y() - 1e-9, 0.0}) > 0.0);
+  }
+}
+
 TEST_CASE("a polygon whose edges cross is refused", "[flow]") {
   Eigen::Matrix2Xd corners(2, 4);
   corners << -0.5, 0.5, 0.4, -0.5, -0.2, -0.2, 0.2, 0.3;
@@ -74,6 +116,10 @@ TEST_CASE("distances from a mesh of a box are those from the box", "[flow]") {
   const Eigen::Vector3d sides(1.0, 0.25, 0.5);
   const Shape box = box_shape(sides), mesh = mesh_shape(samara::models::box_mesh(2.0 * sides, 4, 3, 2), 0.25);
   CHECK((mesh.half - box.half).norm() < 1e-12);
+  CHECK(mesh.volume == Approx(0.125));
+  const PlacedShape turned_mesh(mesh, {1, 2, 3}, 0.4), turned_box(box, {1, 2, 3}, 0.4);
+  CHECK((turned_mesh.half_extent() - turned_box.half_extent()).norm() < 1e-12);
+  CHECK(turned_mesh.frontal_size() == Approx(turned_box.frontal_size()));
   samara::Stream random(5, 0);
   for (int point = 0; point < 2000; ++point) {
     const Eigen::Vector3d x(1.6 * random.uniform() - 0.8, random.uniform() - 0.5,
