@@ -14,7 +14,7 @@ struct BodyLoads {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   /// Its part by pressure on the cells beside the body.
   Eigen::Vector3d pressure = Eigen::Vector3d::Zero();
-  double moment = 0.0;  ///< about the body's place as it is, about z
+  double moment = 0.0;  ///< about the body's place as it is, about z: from x to y, against the angle
 };
 
 /// The control volumes of faces as they were before a body moved on.
@@ -54,12 +54,20 @@ std::vector<FaceForce> reshaping_forces(const MacGrid& grid, const Openness& ope
 /// arrives at a stagnation point ends there.
 ///
 /// Of a body that moves, closed faces take it by the velocity relative to them, and what fluid is left beside them
-/// has the body's acceleration. The body's own inertia is no part of it.
+/// has the body's acceleration. The body's own inertia is no part of it. The moment is that of the fluxes, which leave
+/// out the transposed part of the molecular stress; turning_moment() is the rest.
 /// @param moves whether it does; else only the pose's place matters
 /// @param reshaping reshaping_forces() of the step; none of a held body
 BodyLoads surface_loads(const MacGrid& grid, const Openness& open, const MomentumStep& momentum,
                         const FlowState& state, const BodyPose& pose, bool moves,
                         const std::vector<FaceForce>& reshaping);
+
+/// Moment of the transposed part of the molecular stress about z. Over a closed surface its force sums to 0, and its
+/// moment to -nu times the circulation about the body, which is that of its turning.
+/// @param volume of the body, of a section its area
+inline double turning_moment(const BodyPose& pose, double viscosity, double volume) {
+  return 2.0 * viscosity * pose.angular_rate * volume;
+}
 
 /// The same force from the balance over a box of cells around the body, of which only the border and the change of
 /// momentum inside are looked at: what flowed in and was not stored. The two agree to rounding. That says nothing of

@@ -10,7 +10,7 @@
 namespace samara::flow {
 
 /// Of the solver: to be raised whenever the same case takes other bits, or the state holds other numbers.
-inline constexpr int kRevision = 7;
+inline constexpr int kRevision = 8;
 
 /// What a result depends on: the case, and the options that matter to its bits.
 std::string case_text(const FlowCase& flow, const FlowOptions& options);

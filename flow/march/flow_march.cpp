@@ -229,7 +229,9 @@ StepReport FlowMarch::advance(double step) {
 }
 
 BodyLoads FlowMarch::loads() const {
-  return surface_loads(setup_.grid, open_, momentum_, state_, pose_, moves(), reshaping_);
+  BodyLoads loads = surface_loads(setup_.grid, open_, momentum_, state_, pose_, moves(), reshaping_);
+  if (moves()) loads.moment += turning_moment(pose_, setup_.viscosity, setup_.body->shape().volume);
+  return loads;
 }
 
 Eigen::Vector3d FlowMarch::force_by_box(int margin_cells) const {
