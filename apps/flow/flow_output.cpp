@@ -27,8 +27,10 @@ std::string to_table(const flow::StoredFlow& stored, const std::string& path) {
       fmt::format("Re {:.4g}, angle of attack {:.4g} rad; {} x {} x {} cells of {:.4g} l, {:.3g} % blocked\n",
                   s.reynolds, s.angle_of_attack, grid.cells[0], grid.cells[1], grid.cells[2], grid.spacing,
                   100.0 * s.checks.blockage);
-  const std::string drag =
-      with_error(s.drag, s.drag_half_width) + (s.drag_half_width ? " (95 %)" : " of unknown error");
+  // A steady flow is its own mean, which says nothing of the error of its grid.
+  const std::string drag = s.status == "steady" ? fmt::format("{:.4g}", s.drag)
+                           : s.drag_half_width  ? with_error(s.drag, s.drag_half_width) + " (95 %)"
+                                                : with_error(s.drag, s.drag_half_width) + " of unknown error";
   text += fmt::format("C_D {}   C_D' {:.4f}\nC_L {:.4f}   C_L' {:.4f}   C_M {:.4f}\n", drag, s.drag_rms,
                       s.lift, s.lift_rms, s.moment);
   if (s.moving) {

@@ -74,6 +74,7 @@ class Flows(Case):
     def test_info_tells_it_to_people_and_programs(self):
         words = run("info", flow())
         self.assertIn("flow, steady", words.stdout)
+        self.assertNotIn("(95 %)", words.stdout)  # no mean of periods
         told = json.loads(run("info", flow(), "--json").stdout)
         self.assertEqual(told["schema"], "samara-flow-info/1")
         self.assertEqual(told["status"], "steady")
