@@ -84,8 +84,8 @@ double polygon_distance(const Eigen::Matrix2Xd& corners, const Eigen::Vector3d& 
   return inside ? -std::sqrt(squared) : std::sqrt(squared);
 }
 
-/// Radius of the widest circle within a polygon, to 1e-3 of it: squares that hold no centre of a wider one are dropped,
-/// the others quartered.
+/// Radius of the widest circle within a polygon, to kThicknessError of it, or 1e-5 of the extent: squares that hold no
+/// centre of a wider one are dropped, the others quartered.
 double widest_circle(const Eigen::Matrix2Xd& corners) {
   struct Square {
     Eigen::Vector2d centre;
@@ -112,7 +112,7 @@ double widest_circle(const Eigen::Matrix2Xd& corners) {
         size.x() > size.y() ? Eigen::Vector2d(k + 0.5, 0.5) : Eigen::Vector2d(0.5, k + 0.5);
     consider(square_at(low + side * step, 0.5 * side));
   }
-  while (squares.top().most() > 1.001 * widest) {
+  while (squares.top().most() > widest + std::max(kThicknessError * widest, 1e-5 * size.maxCoeff())) {
     const Square square = squares.top();
     squares.pop();
     for (const Eigen::Vector2d& to :
@@ -208,11 +208,14 @@ Shape polygon_section(const Eigen::Matrix2Xd& corners) {
   const Eigen::Vector2d half = 0.5 * (high - low);
   Eigen::Matrix3Xd in_space = Eigen::Matrix3Xd::Zero(3, corners.cols());
   in_space.topRows<2>() = about_centre;
+  const double radius = widest_circle(about_centre);
+  require(radius > 0.0, "radius of the widest circle within", radius, "more than 1e-5 of the extent",
+          "polygon_section");
   return {"polygon",
           2,
           [about_centre](const Eigen::Vector3d& x) { return polygon_distance(about_centre, x); },
           {half.x(), half.y(), 0.0},
-          2.0 * widest_circle(about_centre),
+          2.0 * radius,
           std::abs(area),
           {corners.data(), corners.data() + corners.size()},
           std::move(in_space)};
@@ -241,6 +244,23 @@ void PlacedShape::move_to(const Eigen::Vector3d& place, double angle_of_attack) 
   place_ = place;
   cosine_ = std::cos(angle_of_attack);
   sine_ = std::sin(angle_of_attack);
+  const Eigen::Vector3d& h = shape_.half;
+  const double c = std::abs(cosine_), s = std::abs(sine_);
+  if (is_round(shape_)) {
+    high_ = {std::hypot(c * h.x(), s * h.y()), std::hypot(s * h.x(), c * h.y()), h.z()};
+  } else {
+    high_ = {c * h.x() + s * h.y(), s * h.x() + c * h.y(), h.z()};
+  }
+  low_ = -high_;
+  if (shape_.corners.size() == 0) return;
+  low_.setConstant(INFINITY);
+  high_.setConstant(-INFINITY);
+  for (const auto& corner : shape_.corners.colwise()) {
+    const Eigen::Vector3d turned(cosine_ * corner.x() + sine_ * corner.y(),
+                                 cosine_ * corner.y() - sine_ * corner.x(), corner.z());
+    low_ = low_.cwiseMin(turned);
+    high_ = high_.cwiseMax(turned);
+  }
 }
 
 Eigen::Vector3d PlacedShape::in_axes(const Eigen::Vector3d& point) const {
@@ -260,27 +280,8 @@ bool PlacedShape::separates(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   return std::abs(crossing) <= shape_.half.x();
 }
 
-Eigen::Matrix3Xd PlacedShape::turned_corners() const {
-  Eigen::Matrix3Xd turned = shape_.corners;
-  turned.row(0) = cosine_ * shape_.corners.row(0) + sine_ * shape_.corners.row(1);
-  turned.row(1) = cosine_ * shape_.corners.row(1) - sine_ * shape_.corners.row(0);
-  return turned;
-}
-
-Eigen::Vector3d PlacedShape::half_extent() const {
-  if (shape_.corners.size() > 0) return turned_corners().cwiseAbs().rowwise().maxCoeff();
-  const Eigen::Vector3d& h = shape_.half;
-  const double c = std::abs(cosine_), s = std::abs(sine_);
-  if (is_round(shape_)) return {std::hypot(c * h.x(), s * h.y()), std::hypot(s * h.x(), c * h.y()), h.z()};
-  return {c * h.x() + s * h.y(), s * h.x() + c * h.y(), h.z()};
-}
-
 double PlacedShape::frontal_size() const {
-  double height = 2.0 * half_extent().y();
-  if (shape_.corners.size() > 0) {
-    const Eigen::Matrix3Xd turned = turned_corners();
-    height = turned.row(1).maxCoeff() - turned.row(1).minCoeff();
-  }
+  const double height = high_.y() - low_.y();
   if (shape_.dimensions == 2) return height;
   return height * 2.0 * shape_.half.z() * (is_round(shape_) ? 0.25 * M_PI : 1.0);
 }

@@ -10,6 +10,9 @@
 /// Bodies in a flow, as signed distances: positive in the fluid, negative inside, 0 on the surface.
 namespace samara::flow {
 
+/// Of a thickness that was found, as a share of it.
+inline constexpr double kThicknessError = 1e-3;
+
 /// A shape in its own axes about its own centre. A section of the plane is a cylinder along z.
 struct Shape {
   std::string kind;
@@ -33,7 +36,7 @@ Shape rectangle_section(double side_x, double side_y);
 /// A plate of no thickness along x: for bodies thinner than two cells. Its surface is that of the faces it closes.
 Shape baffle_section(double length);
 /// A simple polygon, corners in either order [2 x n]. @throws ArgumentError also for fewer than three corners, no area,
-/// or edges that cross
+/// edges that cross, or no circle wider than 1e-5 of its extent within
 Shape polygon_section(const Eigen::Matrix2Xd& corners);
 /// Ellipsoid with semi-axes along x, y, z.
 Shape ellipsoid_shape(const Eigen::Vector3d& semi_axes);
@@ -54,19 +57,18 @@ class PlacedShape {
   const Shape& shape() const { return shape_; }
   const Eigen::Vector3d& place() const { return place_; }
   /// Half the extents of a box along the axes of the domain, about its place, that holds it.
-  Eigen::Vector3d half_extent() const;
+  Eigen::Vector3d half_extent() const { return low_.cwiseAbs().cwiseMax(high_); }
   /// What it takes of a stream along x: the extent along y of a section; in space the area of its shadow, of a
   /// mesh that of the box about its turned corners.
   double frontal_size() const;
 
  private:
   Eigen::Vector3d in_axes(const Eigen::Vector3d& point) const;
-  /// The corners along the axes of the domain, about its place.
-  Eigen::Matrix3Xd turned_corners() const;
 
   Shape shape_;
   Eigen::Vector3d place_;
   double cosine_, sine_;
+  Eigen::Vector3d low_, high_;  ///< ends of what it takes along the axes of the domain, about its place
 };
 
 }  // namespace samara::flow

@@ -83,11 +83,11 @@ void check_case(const FlowCase& flow, double max_memory) {
     throw ArgumentError(fmt::format("flow: the case takes {:.2g} GB, expected at most max_memory, {:.2g} GB",
                                     1e-9 * bytes, 1e-9 * max_memory));
   const double thickness = flow.shape.thickness, spacing = 1.0 / flow.cells_per_length;
-  if (!flow.shape.baffle && thickness < 2.0 * spacing * (1.0 - 1e-9))
+  if (!flow.shape.baffle && thickness < 2.0 * spacing * (1.0 - kThicknessError))
     throw ArgumentError(fmt::format(
         "flow: the body is {:.4g} thin at {} cells per length, expected two cells across it, or a baffle: "
         "cells_per_length at least {:.0f}",
-        thickness, flow.cells_per_length, std::ceil(2.0 / thickness - 1e-9)));
+        thickness, flow.cells_per_length, std::ceil((1.0 - kThicknessError) * 2.0 / thickness)));
 }
 
 MacGrid grid_of(const FlowCase& flow) {

@@ -38,7 +38,7 @@ FlowSetup checked(FlowSetup setup) {
     throw ArgumentError(fmt::format("the body is one of {} dimensions, in a flow of {}",
                                     body.shape().dimensions, setup.grid.dimensions));
   const double thickness = body.shape().thickness;
-  if (!body.shape().baffle && thickness < 2.0 * setup.grid.spacing * (1.0 - 1e-9))
+  if (!body.shape().baffle && thickness < 2.0 * setup.grid.spacing * (1.0 - kThicknessError))
     throw ArgumentError(fmt::format(
         "the body is {:.4g} thin, less than two cells of {:.4g}: expected cells of at most {:.4g}", thickness,
         setup.grid.spacing, 0.5 * thickness));

@@ -64,6 +64,17 @@ TEST_CASE("a polygon is as thin as the widest circle within it, and takes of a s
   CHECK(triangle.thickness == Approx(2.0).epsilon(1e-3));  // radius (3 + 4 - 5)/2
   // It touches both outer sides and the inner corner: (0.4 - r)^2 + (0.3 - r)^2 = r^2.
   CHECK(elbow.thickness == Approx(1.4 - std::sqrt(0.96)).epsilon(1e-3));
+  // A strip that is turned is as thin, down to what no grid resolves.
+  for (const double thin : {0.1, 1e-3, 1e-4}) {
+    const Eigen::Vector2d along(std::cos(0.4), std::sin(0.4)),
+        across(-0.5 * thin * along.y(), 0.5 * thin * along.x());
+    const Eigen::Vector2d a = -across, b = along - across, c = along + across, d = across;
+    CHECK(polygon({a.x(), b.x(), c.x(), d.x()}, {a.y(), b.y(), c.y(), d.y()}).thickness ==
+          Approx(thin).epsilon(kThicknessError).margin(3e-5));
+  }
+  // Corners that go around twice have no inside.
+  CHECK_THROWS_WITH(polygon({0, 1, 1, 0, 0, 1, 1, 0}, {0, 0, 1, 1, 0, 0, 1, 1}),
+                    Catch::Contains("radius of the widest circle within"));
   CHECK(triangle.volume == Approx(6.0));
   CHECK(frontal(diamond, 0.25 * kPi) == Approx(1.0));
   CHECK(frontal(diamond, 0.0) == Approx(2.0 * h));
