@@ -38,20 +38,16 @@ void warn_about_bounds(FitResult& result) {
   }
 }
 
+constexpr double kFar = 4.0;  // deviations of a prior
+constexpr const char* kClash = "what was known of it beforehand and the captures contradict each other";
+
 /// Answers that what was known of an unknown beforehand all but rules out. Combinations say how unknowns go together,
 /// and are left out.
 void warn_about_priors(const FitProblem& problem, const FitPoint& point, FitResult& result) {
-  constexpr double kFar = 4.0;  // deviations
-  const char* const kClash = "what was known of it beforehand and the captures contradict each other";
   for (const PriorTerm& prior : problem.priors) {
     if (prior.weights().size() > 1) continue;
-    const double away = std::abs(prior.residual(point.shared.data()));
-    if (!(away > kFar)) continue;
     const Coefficient& c = result.coefficients[static_cast<std::size_t>(prior.weights().front().unknown)];
-    result.warnings.add(
-        WarningKind::model,
-        fmt::format("{} = {:.6g} lies {:.3g} deviations of its prior from the prior's mean: {}", c.name,
-                    c.value, away, kClash));
+    add_prior_warning(c.name, c.value, std::abs(prior.residual(point.shared.data())), result.warnings);
   }
   for (const PriorTerm& prior : problem.own_priors) {
     const auto unknown = static_cast<std::size_t>(prior.weights().front().unknown);
@@ -223,6 +219,13 @@ bool falls_in_middle(const models::TrajectoryFamily& family) {
 }
 
 }  // namespace
+
+void add_prior_warning(const std::string& what, double value, double away, Warnings& warnings) {
+  if (!(away > kFar)) return;
+  warnings.add(WarningKind::model,
+               fmt::format("{} = {:.6g} lies {:.3g} deviations of its prior from the prior's mean: {}", what,
+                           value, away, kClash));
+}
 
 void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
   constexpr double kMany = 5.0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/fit_result.h"
@@ -24,6 +25,10 @@ void add_capture_warnings(const models::TrajectoryFamily& family, std::span<cons
 /// For a fit that led nowhere: captures that move far faster than a body of the model could.
 void add_speed_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                         FitResult& result);
+
+/// Of an answer that its prior all but rules out.
+/// @param away deviations of the prior from its mean
+void add_prior_warning(const std::string& what, double value, double away, Warnings& warnings);
 
 /// What the reader must know: coefficients at bounds, far from their priors or not determined, errors that cannot be
 /// trusted, other optima. Needs coefficients, captures and starts.

@@ -12,6 +12,7 @@
 #include "samara/base/require.h"
 #include "samara/base/text.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fit_warnings.h"
 #include "samara/identification/series/series_fits.h"
 #include "samara/identification/series/series_knots.h"
 #include "samara/identification/series/series_spans.h"
@@ -213,8 +214,15 @@ void add_replay(const models::ModelInfo& model, const FitResult& result, const S
   for (const auto& [name, value] : series.replay) series.replay_units[name] = units.at(name);
 }
 
-void add_series_warnings(CoefficientSeries& series) {
+void add_series_warnings(const FitOptions& options, CoefficientSeries& series) {
   series.warnings = series.fit.warnings;
+  for (const SeriesCoefficient& c : series.coefficients) {
+    // Of a series priors say what its mean is.
+    const auto prior = options.priors.coordinates.find(c.name);
+    if (prior == options.priors.coordinates.end() || c.values.size() == 1) continue;
+    const double away = (c.values.mean() - prior->second.mean) / standard_deviation(prior->second);
+    add_prior_warning("the mean of " + c.name, c.values.mean(), std::abs(away), series.warnings);
+  }
   if (series.factor == kFactors.front()) {
     series.warnings.add(
         WarningKind::series,
@@ -330,7 +338,7 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
         fits.describe(result.fit, c, chosen.factor, chosen.judgement, result.correlation_factor));
   }
   add_replay(info, result.fit, spans.knots, options, result);
-  add_series_warnings(result);
+  add_series_warnings(options, result);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "../error_text.h"
 #include "plate_captures.h"
@@ -181,6 +182,26 @@ TEST_CASE("a coefficient that does not change is a straight line within its erro
   CHECK(series.effective < 4.0);
   // Only the ends of a line have no neighbours on both sides.
   CHECK(std::ranges::count(series.coefficients[0].basis, InstantBasis::neighbours) >= 10);
+}
+
+TEST_CASE("a series whose mean is far from what was known of its coefficient is warned of") {
+  const Capture capture = fluttering(0.0, 6);
+  const auto clashes = [&](double deviation) {
+    FitOptions options = series_options();
+    options.priors.coordinates["C_R"] = {.mean = 3.0, .deviation = deviation};
+    const CoefficientSeries series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, options,
+                                                {.coefficients = {"C_R"}, .span = 0.8});
+    REQUIRE(series.status == samara::Termination::converged);
+    const double mean = series.coefficients[0].values.mean();
+    INFO("mean " << mean);
+    const std::vector<std::string> sentences = series.warnings.sentences();
+    return std::ranges::any_of(sentences, [&](const std::string& sentence) {
+      return sentence.starts_with(fmt::format("the mean of C_R = {:.6g} lies {:.3g} deviations of its prior",
+                                              mean, (3.0 - mean) / deviation));
+    });
+  };
+  CHECK(clashes(0.1));
+  CHECK_FALSE(clashes(1.0));
 }
 
 TEST_CASE("noise levels that are estimated choose the smoothness that known ones choose") {
