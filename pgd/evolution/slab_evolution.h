@@ -73,8 +73,8 @@ struct SlabResult {
   /// within a cell. If the march ended early, all cells reach the same time `reached`.
   std::vector<TrainField> pieces;
   /// converged; missed: solved to the end, but the error at the guard points is above the tolerance; ceases,
-  /// no_contraction, not_resolved, max_calls or cancelled: the march ended at `reached`. By strategies (march.h)
-  /// also diverged, max_iterations, rank_limit or not_finite, on the shortest slab that is allowed.
+  /// no_contraction, not_resolved, not_finite, max_calls or cancelled: the march ended at `reached`. By strategies
+  /// (march.h) also diverged, max_iterations or rank_limit, on the shortest slab that is allowed.
   Termination status = Termination::missed;
   std::string message;
   double reached = 0.0;

@@ -28,13 +28,22 @@ constexpr double kKinked = 0.5;
 constexpr double kShort = 0.4;
 constexpr const char* kGrows = "the solution grows beyond all bounds";
 
-Ending ending_at(const SlabCell& cell, Termination status, const char* what, double length,
+Ending ending_at(const SlabCell& cell, Termination status, const std::string& what, double length,
                  const Eigen::VectorXd& q) {
   const std::vector<double> at(q.begin(), q.end());
   return {status,
           fmt::format("at t = {:.6g} and {} {} even in steps of {:.3g}", cell.time, described(cell.axes, at),
                       what, length),
           at};
+}
+
+/// Of the states at one point, SI. @param start in scales
+Eigen::VectorXd rates_at(const MarchContext& context, double t, const Eigen::VectorXd& start,
+                         const Eigen::VectorXd& q) {
+  Eigen::MatrixXd rate;
+  context.problem().system->rhs(Eigen::VectorXd::Constant(1, t), context.scales().cwiseProduct(start), q,
+                                rate);
+  return rate.col(0);
 }
 
 }  // namespace
@@ -166,10 +175,8 @@ std::optional<Ending> TimeStepper::shorten(SlabCell& cell, const Ending& why) {
 /// do close to where they end.
 bool TimeStepper::moves_by_its_size(double t, const Eigen::VectorXd& start, const Eigen::VectorXd& q,
                                     double length) const {
-  const Eigen::VectorXd& scales = context_.scales();
-  Eigen::MatrixXd rate;
-  context_.problem().system->rhs(Eigen::VectorXd::Constant(1, t), scales.cwiseProduct(start), q, rate);
-  const double moved = length * rate.col(0).cwiseQuotient(scales).cwiseAbs().maxCoeff();
+  const Eigen::VectorXd rates = rates_at(context_, t, start, q).cwiseQuotient(context_.scales());
+  const double moved = length * rates.cwiseAbs().maxCoeff();
   return !(moved < kOwnSize * start.cwiseAbs().maxCoeff());
 }
 
@@ -180,6 +187,15 @@ Ending TimeStepper::give_up(const SlabCell& cell, double length, const SlabPoint
   const bool failed = worst >= 0;
   if (!failed) growth_of(points.values).maxCoeff(&worst);
   const Eigen::VectorXd start = points.values.col(worst).head(context_.states());
+  const Eigen::VectorXd rates = rates_at(context_, cell.time, start, q.col(worst));
+  if (const auto bad = std::ranges::find_if_not(rates, [](double rate) { return std::isfinite(rate); });
+      bad != rates.end()) {
+    const auto state = static_cast<std::size_t>(bad - rates.begin());
+    return ending_at(cell, Termination::not_finite,
+                     fmt::format("the right-hand side is not finite (the rate of \"{}\" is {})",
+                                 context_.problem().states[state].name, *bad),
+                     length, q.col(worst));
+  }
   const bool unsolved = failed &&
                         points.status[static_cast<std::size_t>(worst)] == Termination::no_contraction &&
                         !moves_by_its_size(cell.time, start, q.col(worst), length);

@@ -45,6 +45,26 @@ TEST_CASE("a box in which the solution ends reports when and where, and keeps wh
   for (const TrainField& field : result.pieces) CHECK(field.axes()[0].upper() <= result.reached);
 }
 
+TEST_CASE("a rate that is no number at the start is named, and not taken for growth") {
+  const System system(
+      1, [](const Vector& x, const Vector& q) { return Vector(q * std::log(x[0] - 2.0)); },
+      [](const Vector& x, const Vector& q) { return Matrix(q / (x[0] - 2.0)); });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "s", AxisRole::time};
+  problem.end = 1.0;
+  problem.parameters = {{{"k", "1"}, 1.0, 2.0}};
+  problem.states = {{"x", "1"}};
+  problem.initial = {{1.0, -1}};
+  problem.scales = {1.0};
+  problem.scale_floors = {0.0};
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
+  CAPTURE(result.message);
+  CHECK(result.status == samara::Termination::not_finite);
+  CHECK_THAT(result.message, Contains("the right-hand side is not finite (the rate of \"x\" is "));
+  CHECK(result.pieces.empty());
+}
+
 TEST_CASE("an offset that is large against the range is no growth") {
   // x' = c (s + 1 - x): from s towards s + 1, by less than 0.002 until t = 1.
   constexpr double kStart = 1e5;
