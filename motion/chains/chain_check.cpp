@@ -8,12 +8,57 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::motion {
 
 namespace {
 
 constexpr Eigen::Index kLengths = 5;  // 1, 2, 3, 4, and more
+
+/// Of lengths that were seen against those that are expected.
+struct ChiSquare {
+  double value = 0.0;
+  int freedom = 0;  ///< 0: all lengths had to be taken together
+};
+
+/// Neighbouring lengths are taken together until five runs or more are expected of each: fewer do not scatter as
+/// chi-square has it.
+ChiSquare chi_square_of(const Eigen::VectorXd& seen, const Eigen::VectorXd& expected) {
+  constexpr double kFewestExpected = 5.0;
+  std::vector<Eigen::Vector2d> classes;  // seen, expected
+  Eigen::Vector2d open = Eigen::Vector2d::Zero();
+  for (Eigen::Index k = 0; k < seen.size(); ++k) {
+    open += Eigen::Vector2d(seen[k], expected[k]);
+    if (open[1] < kFewestExpected) continue;
+    classes.push_back(open);
+    open.setZero();
+  }
+  if (classes.size() < 2) return {};
+  classes.back() += open;
+  ChiSquare result = {.freedom = static_cast<int>(classes.size()) - 1};
+  for (const Eigen::Vector2d& one : classes) result.value += (one[0] - one[1]) * (one[0] - one[1]) / one[1];
+  return result;
+}
+
+/// What the largest of independent chi-squares stays below in this share of cases. NaN if none has a freedom.
+double largest_quantile(const Eigen::VectorXi& freedom, double share) {
+  const auto below = [&](double value) {
+    double chance = 1.0;
+    for (const int one : freedom) {
+      if (one > 0) chance *= 1.0 - identification::chi_squared_tail(one, value);
+    }
+    return chance;
+  };
+  if (freedom.maxCoeff() < 1) return std::numeric_limits<double>::quiet_NaN();
+  double low = 0.0, high = 1.0;
+  while (below(high) < share) high *= 2.0;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (below(middle) < share ? low : high) = middle;
+  }
+  return high;
+}
 
 /// Shares of k two symbols after i; columns of i that were not seen are zero. `seen` counts them.
 Eigen::MatrixXd double_steps(const std::vector<std::vector<int>>& sequences, int symbols,
@@ -51,19 +96,23 @@ ChainCheck check(const MarkovChain& chain, const std::vector<std::vector<int>>& 
   result.log_likelihood = chain.log_likelihood(sequences, static_cast<std::size_t>(chain.order()));
   constexpr int kTimes = 100;
   std::vector<std::vector<int>> drawn;
+  drawn.reserve(kTimes * sequences.size());
   for (std::size_t n = 0; n < sequences.size(); ++n) {
     Stream stream(seed, n);
-    drawn.push_back(chain.draw_sequence(kTimes * sequences[n].size(), stream));
+    // As long as those seen: a sequence cuts long runs more often than short ones.
+    for (int k = 0; k < kTimes; ++k) drawn.push_back(chain.draw_sequence(sequences[n].size(), stream));
   }
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
-  result.chi_square.setConstant(chain.symbols(), unknown);
+  result.chi_square.setConstant(chain.symbols(), std::numeric_limits<double>::quiet_NaN());
+  result.freedom.setZero(chain.symbols());
   for (int symbol = 0; symbol < chain.symbols(); ++symbol) {
     const Eigen::VectorXd seen = run_lengths(sequences, symbol), own = run_lengths(drawn, symbol);
     if (seen.sum() < 25.0 || own.sum() == 0.0) continue;
-    // Lengths that the chain hardly draws count as half a run of it.
-    const Eigen::VectorXd expected = (own * (seen.sum() / own.sum())).cwiseMax(0.5);
-    result.chi_square[symbol] = ((seen - expected).array().square() / expected.array()).sum();
+    const ChiSquare found = chi_square_of(seen, own * (seen.sum() / own.sum()));
+    if (found.freedom == 0) continue;
+    result.chi_square[symbol] = found.value;
+    result.freedom[symbol] = found.freedom;
   }
+  result.largest_95 = largest_quantile(result.freedom, 0.95);
   Eigen::VectorXd seen, ignored;
   const Eigen::MatrixXd shares = double_steps(sequences, chain.symbols(), seen);
   const Eigen::MatrixXd own = double_steps(drawn, chain.symbols(), ignored);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "samara/motion/chains/markov_chain.h"
 
 /// What a chain is worth on sequences that it was not made of, and where chains end.
@@ -11,15 +13,20 @@ Eigen::VectorXd run_lengths(const std::vector<std::vector<int>>& sequences, int 
 
 struct ChainCheck {
   double log_likelihood = 0.0;  ///< per symbol
-  /// Of the run lengths of each symbol, against those of the chain: 4 degrees of freedom (their 95 % point is 9.49);
-  /// NaN where fewer than 25 runs were seen.
+  /// Of the run lengths of each symbol, against those of the chain; NaN where fewer than 25 runs were seen, or where
+  /// hardly any but of one length are expected.
   Eigen::VectorXd chi_square;
+  /// Degrees of freedom of each: 4, less where lengths are taken together to expect 5 runs of each; 0 where it is NaN.
+  Eigen::VectorXi freedom;
+  /// The 95 % point of the largest of them if the chain is exact; NaN if all are. The error of a chain that was fitted
+  /// to as many sequences raises it, at most to twice that.
+  double largest_95 = std::numeric_limits<double>::quiet_NaN();
   /// Largest difference between the share of k two symbols after i, as seen, and that of the chain, in standard errors
   /// of the share seen.
   double two_steps = 0.0;
 };
 
-/// The chain's own runs and double steps are those of a hundred times as many symbols, drawn.
+/// The chain's own runs and double steps are those of a hundred drawn sequences for each, as long as it is.
 ChainCheck check(const MarkovChain& chain, const std::vector<std::vector<int>>& sequences,
                  std::uint64_t seed = 1);
 

@@ -53,16 +53,24 @@ double largest_of(const Eigen::VectorXd& values) {
 }
 
 std::string check_text(const char* name, const ChainCheck& worth) {
-  return fmt::format("  {:<13} run lengths {:8.4g}   two events on {:6.3g} standard errors\n", name,
-                     largest_of(worth.chi_square), worth.two_steps);
+  const double largest = largest_of(worth.chi_square);
+  const std::string run_lengths = std::isfinite(largest)
+                                      ? fmt::format("{:8.4g} (95 %: {:4.3g})", largest, worth.largest_95)
+                                      : "too few to tell";
+  return fmt::format("  {:<13} run lengths {}   two events on {:6.3g} standard errors\n", name, run_lengths,
+                     worth.two_steps);
 }
 
 nlohmann::ordered_json check_json(const ChainCheck& worth) {
-  nlohmann::ordered_json object = {{"chi_square", nlohmann::ordered_json::array()},
-                                   {"two_steps", worth.two_steps}};
-  for (const double value : worth.chi_square)
-    object["chi_square"].push_back(std::isfinite(value) ? nlohmann::ordered_json(value)
-                                                        : nlohmann::ordered_json());
+  const auto number_or_null = [](double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+  };
+  nlohmann::ordered_json object = {
+      {"chi_square", nlohmann::ordered_json::array()},
+      {"degrees_of_freedom", std::vector<int>(worth.freedom.begin(), worth.freedom.end())},
+      {"largest_95", number_or_null(worth.largest_95)},
+      {"two_steps", worth.two_steps}};
+  for (const double value : worth.chi_square) object["chi_square"].push_back(number_or_null(value));
   return object;
 }
 
@@ -75,9 +83,9 @@ std::string chain_text(const MotionDatabase& database, const OrderChoice& choice
   text += ")\n";
   const KindChecks checks = checks_of(database, choice);
   text +=
-      "beside runs left out: largest chi-square of lengths of runs of a kind (4 degrees of freedom, 95 % "
-      "point "
-      "9.5), and how far the shares two events on are off at most\n";
+      "beside runs left out: largest chi-square of lengths of runs of a kind (in brackets its 95 % point for "
+      "an exact chain; up to twice that for one fitted to as many runs), and how far the shares two "
+      "events on are off at most\n";
   text += check_text(fmt::format("order {}", choice.order).c_str(), checks.chosen);
   if (choice.order != 1) text += check_text("first order", checks.first);
   text += "what follows what, first order, with 95 % intervals\n";

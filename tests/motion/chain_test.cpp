@@ -90,6 +90,66 @@ TEST_CASE("a chain of too low an order has the right occupancy, and fails on run
   CHECK(bad.two_steps > 10.0);
 }
 
+namespace {
+
+/// As short as those of falls that are cut at few events.
+Sequences short_draws(const MarkovChain& chain, std::uint64_t seed) {
+  Sequences all;
+  for (std::size_t n = 0; n < 300; ++n) {
+    samara::Stream stream(seed, n);
+    all.push_back(chain.draw_sequence(8, stream));
+  }
+  return all;
+}
+
+bool is_rejected(const MarkovChain& chain, const Sequences& seen, std::uint64_t seed) {
+  const ChainCheck worth = check(chain, seen, seed);
+  for (Eigen::Index k = 0; k < worth.freedom.size(); ++k)
+    REQUIRE((worth.freedom[k] > 0) == std::isfinite(worth.chi_square[k]));
+  return worth.chi_square.maxCoeff() > worth.largest_95;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "of short sequences lengths of runs reject an exact chain one time in twenty, and nearly always one of "
+    "too low an order") {
+  Eigen::Matrix4d stays = Eigen::Matrix4d::Constant(1e4);
+  stays.diagonal().setConstant(7e4);
+  const Sequences planted_long = planted_runs(100, 2000, 21);
+  const MarkovChain second = MarkovChain::fitted(planted_long, 3, 2);
+  const MarkovChain first = MarkovChain::fitted(planted_long, 3, 1);
+  constexpr int kTimes = 60;
+  int of_stays = 0, of_second = 0, of_first = 0;
+  for (int k = 0; k < kTimes; ++k) {
+    const auto seed = static_cast<std::uint64_t>(1000 + k);
+    const MarkovChain exact = MarkovChain::of_counts(stays);
+    of_stays += is_rejected(exact, short_draws(exact, seed), seed + 500) ? 1 : 0;
+    const Sequences seen = short_draws(second, seed);
+    of_second += is_rejected(second, seen, seed + 500) ? 1 : 0;
+    of_first += is_rejected(first, seen, seed + 500) ? 1 : 0;
+  }
+  // 3 of 60 are expected; more than 8 come by chance one time in 250.
+  CHECK(of_stays <= 8);
+  CHECK(of_second <= 8);
+  CHECK(of_stays + of_second >= 1);
+  CHECK(of_first >= 54);
+}
+
+TEST_CASE("lengths of runs of which few are expected are taken together, for fewer degrees of freedom") {
+  // Runs of the first symbol hardly go on; those of the second are of any length.
+  const MarkovChain chain = MarkovChain::of_counts((Eigen::Matrix2d() << 3e3, 9e4, 3e4, 7e4).finished());
+  const ChainCheck worth = check(chain, short_draws(chain, 5));
+  CHECK(worth.freedom[0] == 1);
+  CHECK(worth.freedom[1] == 4);
+  // F_1(x) F_4(x) = 0.95: beyond either's own 95 % point, 3.841 and 9.488.
+  CHECK(worth.largest_95 > 9.488);
+  CHECK(worth.largest_95 < 9.7);
+  const ChainCheck none = check(chain, {{0, 1, 0, 1}});
+  CHECK(none.freedom.maxCoeff() == 0);
+  CHECK(std::isnan(none.largest_95));
+}
+
 TEST_CASE(
     "shares are those of Dirichlet's prior, and contexts that were hardly seen give way to shorter ones") {
   // 0 1 0 1 0 1, and once 0 0.
