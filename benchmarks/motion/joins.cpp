@@ -118,13 +118,23 @@ Eigen::MatrixXd blended_in_space(const Eigen::MatrixXd& first, Eigen::MatrixXd s
   }
   const Eigen::RowVector3d origin = second.row(0).head<3>();
   Eigen::MatrixXd poses = first;
+  Eigen::Quaterniond between = Eigen::Quaterniond::Identity();
   for (Eigen::Index k = 0; k < first.rows(); ++k) {
     const double s = static_cast<double>(k) / static_cast<double>(first.rows() - 1);
     const double share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
     const Eigen::Vector3d way = yaw * (second.row(k).head<3>() - origin).transpose();
     const Eigen::Vector3d place = first.row(0).head<3>().transpose() + way;
     poses.row(k).head<3>() += share * (place.transpose() - first.row(k).head<3>());
-    const Eigen::Quaterniond turned = attitude_of(first, k).slerp(share, yaw * attitude_of(second, k) * copy);
+    // Of the two ways round, the one that goes on from the frame before: attitudes may part by more than half a turn.
+    const Eigen::Quaterniond from = attitude_of(first, k);
+    Eigen::Quaterniond to_second = from.conjugate() * (yaw * attitude_of(second, k) * copy);
+    if (to_second.dot(between) < 0.0) to_second.coeffs() = -to_second.coeffs();
+    between = to_second;
+    const double sine = to_second.vec().norm();
+    const double half = share * std::atan2(sine, to_second.w());
+    Eigen::Quaterniond part(std::cos(half), 0.0, 0.0, 0.0);
+    if (sine > 0.0) part.vec() = std::sin(half) / sine * to_second.vec();
+    const Eigen::Quaterniond turned = from * part;
     poses.row(k).tail<4>() << turned.w(), turned.x(), turned.y(), turned.z();
   }
   return poses;

@@ -11,8 +11,10 @@
 /// lies a segment, which is of one of four kinds.
 namespace samara::motion {
 
-/// A turn is a segment whose net turn of the normal is 0.6 pi or more. The sign is that of theta; in space that of
-/// the turn about the horizontal axis to the right of the way, as theta has it on a way along +x; yaw does not count.
+/// A turn is a segment whose net turn of the normal is 0.6 pi or more. The sign is that of theta. In space it is the
+/// turn about horizontal axes, the horizontal part of the integral of n x dn, with the sign of that about the axis to
+/// the right of the way, as theta has it on a way along +x. Yaw does not count: nor does a normal that precesses about
+/// the vertical turn, at whatever tilt.
 enum class EventKind { swing_minus, swing_plus, turn_minus, turn_plus };
 
 inline constexpr std::size_t kEventKinds = 4;
@@ -41,7 +43,7 @@ struct Event {
   double t = 0.0;                                          ///< s
   EventKind kind = EventKind::swing_plus;                  ///< of the segment
   double duration = 0.0;                                   ///< s, of the segment
-  double turn = 0.0;                                       ///< rad, its net turn
+  double turn = 0.0;                                       ///< rad, its net turn, as EventKind has it
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< along it, world, m
   /// It ends because the speed hardly changed for long, not at a minimum: the sign of its kind may be round-off.
   bool is_steady = false;

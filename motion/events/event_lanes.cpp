@@ -269,7 +269,9 @@ void EventLanes::end_segment(Eigen::Index lane, const Mark& at, bool is_steady) 
   double signed_turn = -swept.y();
   if (!states_.is_planar()) {
     const Eigen::Vector3d left(-event.displacement.y(), event.displacement.x(), 0.0);
-    signed_turn = -swept.dot(left) < 0.0 ? -swept.norm() : swept.norm();
+    // About horizontal axes: what a normal sweeps about the vertical as it precesses is yaw.
+    const double size = swept.head<2>().norm();
+    signed_turn = -swept.dot(left) < 0.0 ? -size : size;
   }
   event.turn = signed_turn;
   const bool turns = std::abs(signed_turn) >= options_.turn * std::numbers::pi;

@@ -335,6 +335,34 @@ TEST_CASE("a noisy record has the events of the clean motion") {
         }).find("has no attitude") != std::string::npos);
 }
 
+TEST_CASE("a normal that only precesses about the vertical makes no turn, whatever its tilt") {
+  // In a circle, with minima of the speed 1 s apart; what is swept about the vertical is 2 pi sin^2(tilt) a revolution.
+  for (const double tilt : {0.3, 0.25 * std::numbers::pi, 1.2, 0.5 * std::numbers::pi}) {
+    for (const double revolutions : {-1.0, -0.5, 0.2, 0.5, 1.0, 2.3}) {
+      const double rate = 2.0 * std::numbers::pi * revolutions;
+      const std::vector<double> times = equal_times(6.0, 0.01);
+      Eigen::MatrixXd states = Eigen::MatrixXd::Zero(9, static_cast<Eigen::Index>(times.size()));
+      for (Eigen::Index k = 0; k < states.cols(); ++k) {
+        const double t = times[static_cast<std::size_t>(k)];
+        states.col(k).head<2>() << std::cos(rate * t), std::sin(rate * t);
+        states(3, k) = 2.0 - std::cos(2.0 * std::numbers::pi * t);
+        states.col(k).tail<3>() << std::sin(tilt) * std::cos(rate * t), std::sin(tilt) * std::sin(rate * t),
+            std::cos(tilt);
+      }
+      const EventList list =
+          events_of(MovingStates::of_record(false), {.mean_square_speed = 4.5}, times, states);
+      REQUIRE(list.events.size() >= 4);
+      // n x dn has the horizontal part -sin cos (cos, sin) d(angle): of an arc its chord is left.
+      const double chord = std::abs(std::sin(2.0 * tilt) * std::sin(0.5 * rate));
+      for (const Event& event : list.events) {
+        if (event.is_first) continue;
+        CHECK(std::abs(event.turn) == Approx(chord).margin(2e-3));
+        CHECK(to_string(event.kind).substr(0, 5) == "swing");
+      }
+    }
+  }
+}
+
 TEST_CASE("what cannot have events or kinds is refused by name") {
   CHECK(error_text<samara::ArgumentError>([] { event_kind_of("glide"); }) ==
         "\"glide\" is no kind of event, expected one of swing-, swing+, turn-, turn+");
