@@ -36,9 +36,9 @@ void AirAboutBodies::tell(Eigen::Index n, double t, double h, std::span<const do
                Eigen::Vector3d::Zero());
 }
 
-void AirAboutBodies::carry(std::span<double> state) const {
+void AirAboutBodies::carry(double t, std::span<double> state) const {
   const models::BodyOnPath motion = motion_of(state);
-  const Eigen::Vector3d along = motion.attitude.transpose() * wind_->sample(0.0, motion.position).velocity;
+  const Eigen::Vector3d along = motion.attitude.transpose() * wind_->sample(t, motion.position).velocity;
   for (std::size_t k = 0; k < layout_.velocities().size(); ++k)
     state[layout_.velocity[k]] += along_axis(along, k);
 }

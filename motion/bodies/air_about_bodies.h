@@ -24,14 +24,17 @@ class AirAboutBodies {
   void begin(Eigen::Index n) { air(n).carried.setZero(); }
 
   /// Looks at the air where body n is, and makes its state one relative to that.
+  /// @param t s, of the wind
   void look(Eigen::Index n, double t, std::span<double> state);
 
   /// What the air of the last look is over the next step, in the order of GustLayout::parameter_names().
+  /// @param t s, of the body's model, at which the step begins; h s, its length
   /// @param state of the body in the world
   void tell(Eigen::Index n, double t, double h, std::span<const double> state, std::span<double> values);
 
-  /// Adds the air's velocity at t = 0 to that of a body which is to begin at rest in it.
-  void carry(std::span<double> state) const;
+  /// Adds the air's velocity to that of a body which is to begin at rest in it.
+  /// @param t s, of the wind
+  void carry(double t, std::span<double> state) const;
 
  private:
   struct Air {

@@ -30,6 +30,7 @@ struct Body {
   int past_count = 0;
   std::optional<EventKind> planned;
   Eigen::Index followed = -1;  ///< the segment whose coefficients it has, or moves to
+  double released = 0.0;       ///< s, the crowd's time at its release
 };
 
 /// Steps that bodies take pack by pack.
@@ -88,6 +89,12 @@ struct Bodies::Impl {
 
   Body& body(Eigen::Index n) { return bodies[static_cast<std::size_t>(n)]; }
 
+  void require_above_ground(Eigen::Index n, double height) const {
+    if (!options.ground || height > *options.ground) return;
+    throw ArgumentError(fmt::format("body {} starts at a height of {} m, expected above the ground at {} m",
+                                    n, height, *options.ground));
+  }
+
   void begin(Eigen::Index n, std::span<const double> from, std::span<const double> first) {
     Body& one = body(n);
     std::ranges::fill(values, 0.0);
@@ -98,15 +105,16 @@ struct Bodies::Impl {
     one.past_count = 0;
     one.planned.reset();
     one.followed = -1;
+    one.released = time;
     std::ranges::copy(from, state.begin());
     if (air) {
       air->begin(n);
-      air->look(n, 0.0, state);
+      air->look(n, time, state);
     }
     finders.begin(n, 0.0, state);
   }
 
-  /// Tells a body of the air over the next step.
+  /// Tells a body of the air over the next step, which the model counts from the body's own time.
   void tell_air(Eigen::Index n, double h) {
     stepper.read(n, state);
     air->tell(n, stepper.time(n), h, state, values);
@@ -148,7 +156,7 @@ struct Bodies::Impl {
     for_bits(lanes, [&](int slot) {
       const Eigen::Index n = body_of(p, slot);
       stepper.read(n, state);
-      air->look(n, pack.times[slot], state);
+      air->look(n, body(n).released + pack.times[slot], state);
       for (std::size_t i = 0; i < states; ++i)
         relative[i * width + static_cast<std::size_t>(slot)] = state[i];
     });
@@ -245,6 +253,7 @@ struct Bodies::Impl {
   std::size_t states, coefficients, width;
   EventLanes finders;
   std::vector<Body> bodies;
+  double time = 0.0;                     // s, of the crowd: all that it has advanced
   std::optional<AirAboutBodies> air;     // in wind
   std::vector<double> before, relative;  // states of a pack: before its step, and in wind
   std::vector<double> values;            // all free parameters of one body
@@ -294,6 +303,7 @@ void Bodies::release(Eigen::Index n, std::span<const double> state, std::span<co
       throw ArgumentError(
           fmt::format("the quaternion of a body has the length {}, expected 1", std::sqrt(square)));
   }
+  impl_->require_above_ground(n, impl_->layout.place(state).z());
   if (!coefficients.empty()) return impl_->begin(n, state, coefficients);
   NearSegment found;
   impl_->pieces.tree().nearest(state, {&found, 1});
@@ -306,6 +316,7 @@ void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
   const std::array<double, 4> given = {place.x(), place.y(), place.z(), yaw};
   require_finite_numbers(given, "the release of a body");
   Impl& run = *impl_;
+  run.require_above_ground(n, place.z());
   const MotionDatabase& database = run.pieces.database();
   const Eigen::Index segment = run.pieces.draw_segment(run.body(n).stream);
   Eigen::VectorXd state = database.starts.row(segment);
@@ -319,7 +330,7 @@ void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
     const std::array<double, 4> q = {turned.w(), turned.x(), turned.y(), turned.z()};
     for (std::size_t k = 0; k < 4; ++k) numbers[at[k]] = q[k];
   }
-  if (run.air) run.air->carry(numbers);
+  if (run.air) run.air->carry(run.time, numbers);
   const Eigen::VectorXd& own = run.pieces.coefficients({segment, EventKind::swing_plus, 0.0});
   run.begin(n, {state.data(), run.states}, {own.data(), run.coefficients});
 }
@@ -334,6 +345,7 @@ void Bodies::advance(double dt) {
     impl_->step(dt / steps, now);
     left -= now;
   }
+  impl_->time += dt;
 }
 
 std::span<const BodyEvent> Bodies::events() const {

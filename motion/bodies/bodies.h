@@ -61,8 +61,9 @@ struct BodiesOptions {
   /// whose next event is of its kind is taken (the air about the body resting as it is). 0: none is tried, and the
   /// best is taken as it is. Trying costs about a segment's steps for each event.
   int tries = 0;
-  /// Wind: sampled once per body and step at its place. Of models that have a sibling `.._in_gusts`. Planar bodies move
-  /// in x and z at y = 0, and do not feel its y. What the air turns is not felt.
+  /// Wind: sampled once per body and step at its place, and at the time of the crowd, the sum of what it has advanced:
+  /// all feel a gust at the same instant, whenever they were released. Of models that have a sibling `.._in_gusts`.
+  /// Planar bodies move in x and z at y = 0, and do not feel its y. What the air turns is not felt.
   std::shared_ptr<const models::AmbientFlow> wind = {};
   std::uint64_t seed = 1;  ///< body n draws from its stream n
 };
@@ -80,10 +81,11 @@ class Bodies {
   Eigen::Index count() const;
 
   /// Lets a body go in a state that a segment, drawn from the graph's largest component, begins in: moving, as if it
-  /// had fallen for a while.
+  /// had fallen for a while in the air that is there now.
   /// @param place of its centre, world, z up (m); of a planar model y is ignored
   /// @param yaw rad, about the vertical; of a planar model ignored
-  /// @throws ArgumentError for a body that there is not, or numbers that are not finite
+  /// @throws ArgumentError for a body that there is not, numbers that are not finite, or a place that is not above the
+  /// ground; then nothing has changed
   void release(Eigen::Index body, const Eigen::Vector3d& place, double yaw);
 
   /// Lets a body go in a state of the model, SI, with coefficients in the order of the database; none: those of the run

@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 /* Many falling bodies at run time, through C: a database of motions (samara database), and bodies that fall by it.
- * Link samara::motion_c.
+ * Link samara::motion_c (of pkg-config: samara-motion).
  *
  *   samara_motions* motions = samara_motions_open("leaf.h5");
  *   samara_bodies* leaves = samara_bodies_open(motions, 1000, NULL);
@@ -66,7 +66,8 @@ samara_bodies* samara_bodies_open(const samara_motions* motions, size_t count,
                                   const samara_bodies_options* options);
 void samara_bodies_close(samara_bodies* bodies);
 
-/* Moving as if it had fallen for a while, its centre at x, y, z, turned about the vertical by `yaw`. */
+/* Moving as if it had fallen for a while, its centre at x, y, z, turned about the vertical by `yaw`. A place that is
+ * not above the ground is a wrong call, and changes nothing. */
 samara_bodies_status samara_bodies_release(samara_bodies* bodies, size_t body, const double* place,
                                            double yaw);
 samara_bodies_status samara_bodies_advance(samara_bodies* bodies, double dt);

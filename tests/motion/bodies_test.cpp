@@ -167,6 +167,26 @@ TEST_CASE("bodies come to rest on the ground, where their way met it") {
   }
 }
 
+TEST_CASE("a body that does not start above the ground is refused, and nothing has changed") {
+  const BodiesOptions options = {.ground = 0.5, .seed = 2};
+  Bodies cards(card_pieces(), 2, options), others(card_pieces(), 2, options);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          cards.release(1, {0.0, 0.0, -1.0}, 0.0);
+        }) == "body 1 starts at a height of -1 m, expected above the ground at 0.5 m");
+  std::vector<double> state(13);
+  state[3] = 1.0;
+  state[2] = 0.5;
+  CHECK(error_text<samara::ArgumentError>([&] { cards.release(0, state); }) ==
+        "body 0 starts at a height of 0.5 m, expected above the ground at 0.5 m");
+  CHECK(cards.status(0) == BodyStatus::waiting);
+  CHECK(cards.status(1) == BodyStatus::waiting);
+  // Nothing was drawn for it either.
+  for (Bodies* bodies : {&cards, &others}) bodies->release(1, {0.0, 0.0, 1.0}, 0.0);
+  CHECK(poses_of(cards) == poses_of(others));
+  Bodies plates(plate_pieces(), 1, {.ground = 0.0});
+  CHECK_THROWS_AS(plates.release(0, {0.0, 0.0, -1.0}, 0.0), samara::ArgumentError);
+}
+
 TEST_CASE("a steady wind only carries bodies along, and a body does not know those beside it") {
   const Eigen::Vector3d air(1.5, -0.7, 0.2);
   const BodiesOptions still = {.step = 1e-3, .seed = 4};
@@ -230,6 +250,50 @@ TEST_CASE("in air that accelerates evenly a plate falls as if gravity were tilte
       Approx(std::cos(tilt) * still[4] + std::sin(tilt) * still[5] + 0.5 * kPush * kEnd * kEnd).margin(1e-6));
   CHECK(state[5] == Approx(std::cos(tilt) * still[5] - std::sin(tilt) * still[4]).margin(1e-6));
   CHECK(std::abs(still[4]) > 0.01);
+}
+
+TEST_CASE("bodies feel a gust at the same instant, whenever they were released") {
+  static constexpr double kGust = 0.1005, kPush = 3.0;  // in the midst of a step
+  class Gust final : public samara::models::AmbientFlow {
+   public:
+    samara::models::AmbientSample sample(double t, const Eigen::Vector3d&) const override {
+      if (t < kGust) return {};
+      return {{kPush * (t - kGust), 0.0, 0.0}, Eigen::Matrix3d::Zero(), {kPush, 0.0, 0.0}};
+    }
+    double length() const override { return 1.0; }
+  };
+  constexpr double kStep = 1e-3;
+  BodiesOptions options = {.step = kStep, .wind = steady_wind(Eigen::Vector3d::Zero()), .seed = 3};
+  Bodies calm(card_pieces(), 3, options);
+  options.wind = std::make_shared<Gust>();
+  Bodies blown(card_pieces(), 3, options);
+  std::vector<double> still(13), moved(13);
+  const auto read = [&](Eigen::Index n) {
+    calm.read_state(n, still);
+    blown.read_state(n, moved);
+  };
+  const auto release = [&](Eigen::Index n) {
+    for (Bodies* bodies : {&calm, &blown}) bodies->release(n, {0.0, 0.0, 1.0}, 0.4);
+  };
+  std::array<int, 2> felt = {};
+  release(0);
+  for (int k = 1; k <= 120; ++k) {
+    for (Bodies* bodies : {&calm, &blown}) bodies->advance(kStep);
+    if (k == 50) release(1);
+    for (Eigen::Index n = 0; n < 2; ++n) {
+      read(n);
+      int& first = felt[static_cast<std::size_t>(n)];
+      if (first == 0 && still != moved) first = k;
+    }
+  }
+  CHECK(felt[0] == 102);  // the step that begins with it
+  CHECK(felt[1] == felt[0]);
+  // What is released now begins in the air that is there now.
+  release(2);
+  read(2);
+  double square = 0.0;
+  for (std::size_t k = 7; k < 10; ++k) square += (moved[k] - still[k]) * (moved[k] - still[k]);
+  CHECK(std::sqrt(square) == Approx(kPush * (120 * kStep - kGust)).epsilon(1e-9));
 }
 
 TEST_CASE("a frame of many bodies allocates nothing, in still air and in wind, in a plane and in space") {
