@@ -1,5 +1,6 @@
 #include "samara/motion/ghost/pose_path.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/motion/records/even_frames.h"
 #include "samara/motion/records/motion_record.h"
 #include "samara/motion/records/state_layout.h"
 
@@ -66,6 +68,23 @@ Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
   return 2.0 * std::atan2(sine, sign * q.w()) / sine * axis;
 }
 
+/// A simulation keeps the length that it began with.
+void check_quaternions(const Eigen::Ref<const Eigen::MatrixX4d>& quaternions) {
+  const Eigen::VectorXd lengths = quaternions.rowwise().norm();
+  constexpr double kLeast = 1e-3, kMostChange = 1e-3;
+  if (!(lengths[0] >= kLeast)) {
+    throw ArgumentError(
+        fmt::format("the quaternion in frame 0 of the path has the length {:.6g}, expected {} or more",
+                    lengths[0], kLeast));
+  }
+  for (Eigen::Index k = 1; k < lengths.size(); ++k) {
+    if (std::abs(lengths[k] / lengths[0] - 1.0) <= kMostChange) continue;
+    throw ArgumentError(fmt::format(
+        "the quaternion in frame {} of the path has the length {:.6g}, expected {:.6g} as in frame 0", k,
+        lengths[k], lengths[0]));
+  }
+}
+
 void check_path(const PosePath& path) {
   const Eigen::Index frames = path.times.size();
   if (frames < kStencil || path.poses.rows() != frames) {
@@ -85,11 +104,8 @@ void check_path(const PosePath& path) {
           fmt::format("the time of frame {} of the path is {} after {}, expected times that increase", k,
                       path.times[k], path.times[k - 1]));
     }
-    if (!path.is_planar() && std::abs(path.poses.row(k).tail<4>().norm() - 1.0) > 1e-3) {
-      throw ArgumentError(fmt::format("the quaternion in frame {} of the path has the length {}, expected 1",
-                                      k, path.poses.row(k).tail<4>().norm()));
-    }
   }
+  if (!path.is_planar()) check_quaternions(path.poses.rightCols<4>());
 }
 
 void check_turn(double turn, Eigen::Index frame) {
@@ -115,17 +131,22 @@ void planar_rates(const PosePath& path, Eigen::Index frame, const DerivativeWeig
   acceleration << c * second[0] + s * second[1] + w * vy, -s * second[0] + c * second[1] - w * vx, second[2];
 }
 
+/// Rotation vectors from the attitude of a frame to those of frames around it, in rows.
+Eigen::MatrixX3d turns_around(const PosePath& path, Eigen::Index frame, Eigen::Index ends) {
+  const Eigen::Quaterniond here = attitude(path, frame);
+  Eigen::MatrixX3d turns(2 * ends + 1, 3);
+  for (Eigen::Index j = 0; j < turns.rows(); ++j)
+    turns.row(j) = rotation_vector(here.conjugate() * attitude(path, frame - ends + j));
+  return turns;
+}
+
 /// Of rotation vectors phi from the attitude of a frame, w = phi' and w' = phi'' there: the terms that w has besides
 /// vanish with phi, and their rate is phi' x phi'/2 = 0.
 void spatial_rates(const PosePath& path, Eigen::Index frame, const DerivativeWeights& weights,
                    Eigen::Ref<Eigen::RowVectorXd> velocity, Eigen::Ref<Eigen::RowVectorXd> acceleration) {
   const Eigen::Quaterniond here = attitude(path, frame);
-  Eigen::Matrix<double, kStencil, 3> turns;
-  for (Eigen::Index j = 0; j < kStencil; ++j) {
-    const Eigen::Vector3d phi = rotation_vector(here.conjugate() * attitude(path, frame - kEndFrames + j));
-    check_turn(phi.norm(), frame);
-    turns.row(j) = phi;
-  }
+  const Eigen::Matrix<double, kStencil, 3> turns = turns_around(path, frame, kEndFrames);
+  for (Eigen::Index j = 0; j < kStencil; ++j) check_turn(turns.row(j).norm(), frame);
   const auto places = path.poses.block(frame - kEndFrames, 0, kStencil, 3);
   const Eigen::Vector3d p1 = (weights.first.transpose() * places).transpose();
   const Eigen::Vector3d p2 = (weights.second.transpose() * places).transpose();
@@ -167,26 +188,21 @@ PosePath path_of(const identification::Capture& capture) {
 }
 
 PathNoise noise_of(const PosePath& path) {
-  constexpr int kOrder = 8;
-  const auto rms = [](const auto& noises) {
+  constexpr Eigen::Index kEnds = 4, kFrames = 2 * kEnds + 1;
+  const Eigen::Index places = path.is_planar() ? 2 : 3, angles = path.is_planar() ? 1 : 3;
+  const Eigen::Index count = std::max<Eigen::Index>(0, path.times.size() - kFrames + 1);
+  Eigen::MatrixXd differences(count, places + angles), poses(kFrames, places + angles);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    poses = path.poses.block(k, 0, kFrames, places + angles);
+    if (!path.is_planar()) poses.rightCols<3>() = turns_around(path, k + kEnds, kEnds);  // for quaternions
+    differences.row(k) = divided_difference(path.times.segment(k, kFrames)).transpose() * poses;
+  }
+  const auto rms = [](const auto& columns) {
     double sum = 0.0;
-    for (const double noise : noises) sum += noise * noise;
-    return std::sqrt(sum / static_cast<double>(noises.size()));
+    for (const auto& column : columns.colwise()) sum += std::pow(deviation_of(column), 2);
+    return std::sqrt(sum / static_cast<double>(columns.cols()));
   };
-  if (path.is_planar()) {
-    return {
-        .position = rms(std::array{noise_of(path.poses.col(0), kOrder), noise_of(path.poses.col(1), kOrder)}),
-        .angle = noise_of(path.poses.col(2), kOrder)};
-  }
-  Eigen::MatrixX3d turns(path.times.size() - 1, 3);
-  for (Eigen::Index k = 0; k < turns.rows(); ++k)
-    turns.row(k) = rotation_vector(attitude(path, k).conjugate() * attitude(path, k + 1));
-  std::array<double, 3> places, angles;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    places[static_cast<std::size_t>(i)] = noise_of(path.poses.col(i), kOrder);
-    angles[static_cast<std::size_t>(i)] = noise_of(turns.col(i), kOrder, 1);
-  }
-  return {.position = rms(places), .angle = rms(angles)};
+  return {.position = rms(differences.leftCols(places)), .angle = rms(differences.rightCols(angles))};
 }
 
 double mean_square_gain(const PosePath& path) {

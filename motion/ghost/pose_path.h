@@ -15,8 +15,8 @@ namespace samara::motion {
 /// SI, or the units of a dimensionless model; frames in rows.
 struct PosePath {
   Eigen::VectorXd times;
-  /// In space x, y, z, qw, qx, qy, qz (body to world, quaternions of length one, signs of no matter); in a plane x, y
-  /// (up), theta, unwrapped.
+  /// In space x, y, z, qw, qx, qy, qz (body to world, quaternions of one length along the path, signs of no matter); in
+  /// a plane x, y (up), theta, unwrapped.
   Eigen::MatrixXd poses;
 
   bool is_planar() const { return poses.cols() == 3; }
@@ -43,7 +43,7 @@ struct PathRates {
 };
 
 /// Standard deviations of the noise of a frame: of a coordinate of its place, and of a component of its rotation [rad].
-/// From eighth differences: of frames without noise they are what polynomials through seven of them do not see.
+/// From eighth divided differences: of frames without noise they are what polynomials through seven of them do not see.
 struct PathNoise {
   double position = 0.0, angle = 0.0;
 };
@@ -55,8 +55,8 @@ double mean_square_gain(const PosePath& path);
 /// From the polynomial of degree six through seven frames: errors of the order dt^6. Positions, and the rotation
 /// vectors from the middle frame to the others, are interpolated.
 /// @throws ArgumentError naming the frame: fewer than 7 frames, times that do not increase, numbers that
-/// are not finite, quaternions that are not of length one to 1e-3 (files round), more than 2 rad of turn
-/// between a frame and the third after it.
+/// are not finite, quaternions of no length or whose length changes by more than 1e-3 of itself (files round), more
+/// than 2 rad of turn between a frame and the third after it.
 PathRates path_rates(const PosePath& path);
 
 }  // namespace samara::motion

@@ -16,31 +16,12 @@ using identification::median_interval;
 
 namespace {
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 /// The frame before the first gap that is too long.
 std::optional<Eigen::Index> before_long_gap(const Eigen::VectorXd& times, double interval) {
   for (Eigen::Index k = 0; k + 1 < times.size(); ++k) {
     if ((times[k + 1] - times[k]) / interval > static_cast<double>(kLongestGap) + 1.5) return k;
   }
   return {};
-}
-
-/// Of five values, what cubics do not have, of size 1: divided differences.
-Eigen::Matrix<double, 5, 1> fourth_difference(const Eigen::Ref<const Eigen::VectorXd>& times) {
-  const double width = times[4] - times[0];
-  Eigen::Matrix<double, 5, 1> weights;
-  for (int i = 0; i < 5; ++i) {
-    weights[i] = 1.0;
-    for (int j = 0; j < 5; ++j) {
-      if (j != i) weights[i] *= width / (times[i] - times[j]);
-    }
-  }
-  return weights.normalized();
 }
 
 }  // namespace
@@ -81,17 +62,37 @@ Eigen::MatrixXd between(const Eigen::MatrixXd& values, const std::vector<Between
   return all;
 }
 
+Eigen::VectorXd divided_difference(const Eigen::Ref<const Eigen::VectorXd>& times) {
+  const double width = times[times.size() - 1] - times[0];
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(times.size());
+  for (Eigen::Index i = 0; i < times.size(); ++i) {
+    for (Eigen::Index j = 0; j < times.size(); ++j) {
+      if (j != i) weights[i] *= width / (times[i] - times[j]);
+    }
+  }
+  return weights.normalized();
+}
+
+double deviation_of(const Eigen::Ref<const Eigen::VectorXd>& differences) {
+  if (differences.size() == 0) return 0.0;
+  Eigen::VectorXd sizes = differences.cwiseAbs();
+  const auto middle = sizes.begin() + sizes.size() / 2;
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;
+}
+
 double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen::VectorXd& times) {
   if (values.size() < 5) return 0.0;
   const double longest = 1.5 * median_interval(times);
   std::vector<double> any, whole;
   for (Eigen::Index k = 0; k + 5 <= values.size(); ++k) {
-    any.push_back(std::abs(fourth_difference(times.segment(k, 5)).dot(values.segment(k, 5))));
+    any.push_back(divided_difference(times.segment(k, 5)).dot(values.segment(k, 5)));
     const bool has_gap = ((times.segment(k + 1, 4) - times.segment(k, 4)).array() >= longest).any();
     if (!has_gap) whole.push_back(any.back());
   }
   const bool are_few = static_cast<Eigen::Index>(whole.size()) < kFewestFrames;
-  return 1.4826 * median_of(are_few ? std::move(any) : std::move(whole));
+  const std::vector<double>& differences = are_few ? any : whole;
+  return deviation_of(Eigen::Map<const Eigen::VectorXd>(differences.data(), std::ssize(differences)));
 }
 
 }  // namespace samara::motion

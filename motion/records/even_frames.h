@@ -28,8 +28,16 @@ std::string long_gap(const Eigen::VectorXd& times);
 /// Rows of `values` at such frames, by straight lines between given ones.
 Eigen::MatrixXd between(const Eigen::MatrixXd& values, const std::vector<BetweenFrames>& frames);
 
-/// As noise_of() (motion_record.h), of frames some of which may be missing: from runs of five frames without a gap;
-/// where there are few, from any five, by what a cubic through four of them leaves of the fifth.
+/// Weights of values at these times of which polynomials of lower degree have nothing left: divided differences, their
+/// squares adding up to 1, so that of white noise they leave its deviation.
+/// @param times two or more, increasing
+Eigen::VectorXd divided_difference(const Eigen::Ref<const Eigen::VectorXd>& times);
+
+/// 1.4826 times the median of |differences|: the deviation of noise that is normal. 0 of none.
+double deviation_of(const Eigen::Ref<const Eigen::VectorXd>& differences);
+
+/// Standard deviation of a frame's noise from fourth differences, which a smooth motion does not have, of frames some
+/// of which may be missing: from runs of five frames without a gap; where there are few, from any five. 0 for fewer.
 double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen::VectorXd& times);
 
 }  // namespace samara::motion

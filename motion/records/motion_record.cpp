@@ -73,21 +73,6 @@ MotionRecord part(const MotionRecord& record, Eigen::Index first, Eigen::Index c
   return piece;
 }
 
-double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, int order, int taken) {
-  Eigen::VectorXd differences = values;
-  for (int n = taken; n < order && differences.size() > 0; ++n)
-    differences =
-        (differences.tail(differences.size() - 1) - differences.head(differences.size() - 1)).eval();
-  if (differences.size() == 0) return 0.0;
-  // Of the weights of D^n, (2 n)!/n!^2.
-  double squares = 1.0;
-  for (int n = 1; n <= order; ++n) squares *= 2.0 * (2.0 * n - 1.0) / n;
-  differences = differences.cwiseAbs();
-  const auto middle = differences.begin() + differences.size() / 2;
-  std::nth_element(differences.begin(), middle, differences.end());
-  return 1.4826 * *middle / std::sqrt(squares);
-}
-
 namespace {
 
 const identification::Channel& pose_channel(const Capture& capture, const std::string& quantity) {

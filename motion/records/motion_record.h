@@ -49,12 +49,6 @@ void check(const MotionRecord& record);
 /// Frames first, .., first + count - 1.
 MotionRecord part(const MotionRecord& record, Eigen::Index first, Eigen::Index count);
 
-/// Standard deviation of a frame's noise from differences of high order, which a smooth motion does not have: 1.4826
-/// times the median of |D^n| over the root of the sum of its squared weights, sqrt(70) of fourth ones. Frames must be
-/// about equally spaced. 0 for fewer than n + 1.
-/// @param taken differences that the values are already, of what has the noise: 1 for increments
-double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, int order = 4, int taken = 0);
-
 /// The channel of a place (x, y, z), an angle, or a part of a quaternion. Places of dimensionless models are plain
 /// numbers.
 /// @throws as identification::refuse(), naming the capture and the channel that is missing, in pixels, or of another

@@ -208,6 +208,70 @@ TEST_CASE(
   CHECK(noise_of(turning).position == Approx(kPlace / std::sqrt(3.0)).epsilon(0.15));
 }
 
+TEST_CASE("frames that are left out are no noise, and noise is found between uneven ones") {
+  const ParametricModel plate = smooth_plate();
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(1201, 0.0, 24.0);
+  const Trajectory fall = integrate(plate, {}, {times.data(), 1201}, {.relative_tolerance = 1e-13});
+  // Intervals of 2, 1, 1, 2, .. frames.
+  std::vector<Eigen::Index> left;
+  for (Eigen::Index k = 200; k < 1200; ++k) {
+    if (k % 2 == 0 || k % 3 == 0) left.push_back(k);
+  }
+  const auto frames = static_cast<Eigen::Index>(left.size());
+  const PosePath all = path_of(plate.model().info(), times.tail(1000), fall.states.bottomRows(1000));
+  PosePath some = path_of(plate.model().info(), times(left), fall.states(left, Eigen::all));
+  // Eighth derivatives count for 1.5^8 = 26 times as much at 1.5 times the interval.
+  CHECK(noise_of(some).position < 100.0 * noise_of(all).position);
+  CHECK(noise_of(some).angle < 100.0 * noise_of(all).angle);
+  CHECK_FALSE(ghost_force(plate, some).noise->decides);
+
+  samara::Stream stream(6, 0);
+  constexpr double kPlace = 1e-4, kAngle = 2e-4;
+  PosePath turning{.times = some.times, .poses = Eigen::MatrixXd::Zero(frames, 7)};
+  for (Eigen::Index k = 0; k < frames; ++k) {
+    const double t = turning.times[k];
+    const Eigen::Quaterniond q = Eigen::AngleAxisd(3.0 * t, Eigen::Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(2.0 * t, Eigen::Vector3d::UnitX());
+    turning.poses.row(k).tail<4>() << q.w(), q.x(), q.y(), q.z();
+  }
+  CHECK(noise_of(turning).angle < 1e-2 * kAngle);
+  for (Eigen::Index k = 0; k < frames; ++k) {
+    const Eigen::Vector3d e = kAngle * Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal());
+    const Eigen::Vector4d q = turning.poses.row(k).tail<4>();
+    const Eigen::Quaterniond noisy = Eigen::Quaterniond(q[0], q[1], q[2], q[3]) *
+                                     Eigen::Quaterniond(1.0, 0.5 * e.x(), 0.5 * e.y(), 0.5 * e.z());
+    turning.poses.row(k) << kPlace * stream.normal(), kPlace * stream.normal(), kPlace * stream.normal(),
+        noisy.w(), noisy.x(), noisy.y(), noisy.z();
+    some.poses.row(k) +=
+        Eigen::RowVector3d(kPlace * stream.normal(), kPlace * stream.normal(), kAngle * stream.normal());
+  }
+  for (const PosePath& noisy : {turning, some}) {
+    CHECK(noise_of(noisy).position == Approx(kPlace).epsilon(0.15));
+    CHECK(noise_of(noisy).angle == Approx(kAngle).epsilon(0.15));
+  }
+}
+
+TEST_CASE("quaternions of a path need not have the length one, but one length") {
+  const std::map<std::string, double> leaf = {
+      {"a", 0.035}, {"b", 0.02},  {"c", 1e-4},  {"density", 1200.0}, {"C_D0", 0.05}, {"C_D90", 0.9},
+      {"C_T", 1.0}, {"C_R", 1.0}, {"C_w", 2.0}, {"wx(0)", 1.0},      {"wy(0)", 2.0}, {"wz(0)", 3.0}};
+  const ParametricModel model(find_model("immersed_body"), leaf, {});
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(51, 0.0, 0.05);
+  const Trajectory motion = integrate(model, {}, {times.data(), 51}, {.relative_tolerance = 1e-12});
+  const PosePath path = path_of(model.model().info(), times, motion.states);
+  const auto scaled = [&](double begin, double end) {
+    PosePath other = path;
+    other.poses.rightCols(4).array().colwise() *= Eigen::ArrayXd::LinSpaced(51, begin, end);
+    return other;
+  };
+  const double rms = ghost_force(model, path).declared.force_sizes.rms;
+  CHECK(ghost_force(model, scaled(0.9695, 0.9695)).declared.force_sizes.rms == Approx(rms).margin(1e-9));
+  CHECK_THROWS_WITH(path_rates(scaled(1.0, 1.1)),
+                    "the quaternion in frame 1 of the path has the length 1.002, expected 1 as in frame 0");
+  CHECK_THROWS_WITH(path_rates(scaled(0.0, 0.0)),
+                    "the quaternion in frame 0 of the path has the length 0, expected 0.001 or more");
+}
+
 TEST_CASE("smooth is not feasible: what was shifted or blended needs a ghost that no coefficient hides") {
   const CoefficientCourse one({"C_T", "C_R"}, {1.0, 3.0}), other({"C_T", "C_R"}, {0.9, 2.4});
   const PosePath path = path_of_fall(one, 0.02, 16.0), second = path_of_fall(other, 0.02, 16.0);
