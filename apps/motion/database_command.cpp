@@ -52,6 +52,8 @@ int run_database(const DatabaseArguments& arguments) {
     clear_progress();
     warn(error.what());
     return kInterrupted;
+  } catch (const ArgumentError& error) {
+    throw InputError(arguments.sweep, error.what());
   }
   clear_progress();
   const motion::MotionGraph graph = motion::motion_graph(database);

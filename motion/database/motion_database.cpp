@@ -269,6 +269,8 @@ MotionDatabase build_database(const Sweep& sweep, const DatabaseOptions& options
     throw ArgumentError(
         fmt::format("the falls of the sweep have {} segments between events, expected two or more",
                     database.segment_count()));
+  if (std::ranges::all_of(database.segments, &MotionSegment::is_steady))
+    throw ArgumentError("all falls of the sweep are steady: there are no events to cut them at");
   Eigen::MatrixXd reduced(database.segment_count(), moving.reduced_size());
   Eigen::VectorXd state, one(moving.reduced_size());
   for (Eigen::Index n = 0; n < reduced.rows(); ++n) {

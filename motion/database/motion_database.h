@@ -85,8 +85,8 @@ struct DatabaseOptions {
 /// Runs the falls of a sweep again, those that were finished or landed, and cuts them at their events. Segments from
 /// the release to the first event are left out.
 /// @throws ArgumentError if the motions of its model have no events, a coordinate of its points is neither a
-/// coefficient (one of ModelInfo::affine_in) nor an initial value, or there are fewer than two segments; NoResultError
-/// if cancelled.
+/// coefficient (one of ModelInfo::affine_in) nor an initial value, there are fewer than two segments, or all are
+/// steady; NoResultError if cancelled.
 MotionDatabase build_database(const Sweep& sweep, const DatabaseOptions& options = {});
 
 /// @throws ArgumentError naming the difference: another model, or a fixed value that is another by more than 1e-9 of

@@ -245,6 +245,16 @@ TEST_CASE(
   CHECK_FALSE(steady.kind_sequences().back().empty());
 }
 
+TEST_CASE("falls that are all steady have no events to cut them at") {
+  const std::string plan =
+      "model = \"immersed_body\"\n[fixed]\na = 0.035\nb = 0.02\nc = 1e-4\ndensity = 400\nC_D0 = 0.05\n"
+      "C_w = 2\n[axes]\nC_D90 = { from = 0.6, to = 2.7 }\n[sample]\ncount = 2\n[releases]\ntilt = [0]\n"
+      "axis = [0.6]\n[run]\nuntil = 2\nstep = 1e-3\nsettle = 0.5\n";
+  CHECK(error_text<samara::ArgumentError>([&] {
+          build_database(run_sweep(parse_sweep_plan(plan, "steady.toml")).sweep);
+        }) == "all falls of the sweep are steady: there are no events to cut them at");
+}
+
 TEST_CASE("a database that is cancelled is none, and asked for again it is the same to the bit") {
   const Sweep sweep = plates(20);
   const MotionDatabase whole = build_database(sweep);
