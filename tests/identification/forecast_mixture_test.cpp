@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -73,4 +74,22 @@ TEST_CASE("errors of two sizes come back as two normals, and grow with the signs
   CHECK_THROWS_AS(with.around(0, 0.0, Eigen::RowVector3d::Zero()), samara::ArgumentError);
   CHECK_FALSE(ErrorDistribution::fit(errors.topRows(2), kTwoLevel).is_fitted());
   CHECK_THROWS_AS(ErrorDistribution::fit(errors, kTwoLevel, signs.topRows(3)), samara::ArgumentError);
+}
+
+TEST_CASE("errors of few motions are as much wider as the 90 % band of Student's distribution is") {
+  samara::Stream stream(3, 0);
+  Eigen::MatrixXd errors(4000, 2);
+  errors = errors.unaryExpr([&](double) { return stream.normal(); });
+  const auto deviation = [&](std::size_t motions) {
+    std::vector<int> clusters(4000);
+    for (std::size_t k = 0; k < clusters.size(); ++k) clusters[k] = static_cast<int>(k % motions);
+    return ErrorDistribution::fit(errors, kTwoLevel, {}, clusters).around(0, 0.0).deviations[0];
+  };
+  // Quantiles at 95 % by degrees of freedom: M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, table 26.10.
+  const std::vector<std::pair<std::size_t, double>> quantiles = {
+      {1, 6.314}, {2, 2.920}, {3, 2.353}, {4, 2.132}, {5, 2.015}, {6, 1.943}, {10, 1.812}, {30, 1.697}};
+  constexpr double kOfAll = 1.6452;  // 3999 degrees of freedom
+  for (const auto& [freedom, quantile] : quantiles)
+    CHECK(kOfAll * deviation(freedom + 1) / deviation(4000) == Approx(quantile).margin(6e-4));
+  CHECK(deviation(1) == deviation(2));
 }
