@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
@@ -13,6 +15,25 @@
 namespace samara::io {
 
 namespace {
+
+/// What programs write where there is no value: NaN in any letters, and R's NA.
+bool is_missing(std::string_view cell) {
+  return cell.empty() || cell == "NA" || (cell.size() == 3 && lower_case(cell) == "nan");
+}
+
+/// The first byte that begins no character of UTF-8; npos if there is none.
+std::size_t first_foreign_byte(std::string_view text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto begin = static_cast<unsigned char>(text[at]);
+    if (begin < 0x80) continue;
+    const std::size_t more = begin < 0xC2 ? 0 : begin < 0xE0 ? 1 : begin < 0xF0 ? 2 : begin < 0xF5 ? 3 : 0;
+    const std::string_view rest = text.substr(at + 1, more);
+    const auto goes_on = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+    if (more == 0 || rest.size() < more || !std::ranges::all_of(rest, goes_on)) return at;
+    at += more;
+  }
+  return std::string_view::npos;
+}
 
 std::string delimiter_name(char delimiter) {
   return delimiter == '\t' ? std::string("tab") : "\"" + std::string(1, delimiter) + "\"";
@@ -46,6 +67,8 @@ class RecordReader {
 
   /// The cells of one record are appended to `cells`; returns their number.
   std::size_t read_record(char delimiter, std::vector<std::string>& cells) {
+    const std::size_t begin = at_;
+    const int first_line = line_;
     for (std::size_t count = 1;; ++count) {
       skip_blanks(delimiter);
       cells.push_back(next_is('"') ? quoted_cell(delimiter) : plain_cell(delimiter));
@@ -54,6 +77,7 @@ class RecordReader {
         continue;
       }
       skip_line();
+      require_utf8(text_.substr(begin, at_ - begin), first_line);
       return count;
     }
   }
@@ -63,6 +87,17 @@ class RecordReader {
   std::size_t line_end() {
     if (!end_ || *end_ < at_) end_ = std::min(text_.find('\n', at_), text_.size());
     return *end_;
+  }
+
+  void require_utf8(std::string_view record, int first_line) const {
+    const std::size_t foreign = first_foreign_byte(record);
+    if (foreign == std::string_view::npos) return;
+    const std::string_view before = record.substr(0, foreign);
+    const auto line = first_line + static_cast<int>(std::ranges::count(before, '\n'));
+    throw InputError(file_, line,
+                     fmt::format("the byte 0x{:02x} behind {} is not UTF-8; save the table as UTF-8",
+                                 static_cast<unsigned char>(record[foreign]),
+                                 in_quotes(before.substr(before.find_last_of("\n\t;,") + 1))));
   }
 
   bool next_is(char c) const { return !at_end() && text_[at_] == c; }
@@ -182,7 +217,8 @@ std::string number_complaint(std::string_view cell, const NumberPrefix& number, 
                              : "; the decimal sign is a comma");
   }
   if (number.problem == NumberProblem::none) return "";
-  return "expected a finite number, found " + in_quotes(cell) + "; a missing value is an empty cell";
+  return "expected a finite number, found " + in_quotes(cell) +
+         "; a missing value is an empty cell, NaN or NA";
 }
 
 }  // namespace
@@ -267,13 +303,17 @@ std::vector<std::string> DelimitedTable::texts(const std::string& column) const 
   return texts;
 }
 
+bool DelimitedTable::is_empty(std::size_t row, const std::string& column) const {
+  return cells_[row * header_.size() + index_of(column)].empty();
+}
+
 Eigen::VectorXd DelimitedTable::numbers(const std::string& column) const {
   const std::size_t index = index_of(column);
   Eigen::VectorXd values =
       Eigen::VectorXd::Constant(static_cast<Eigen::Index>(rows()), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t row = 0; row < rows(); ++row) {
     const std::string& cell = cells_[row * header_.size() + index];
-    if (cell.empty()) continue;
+    if (is_missing(cell)) continue;
     std::string text = cell;
     const std::size_t sign = decimal_ == '.' ? std::string::npos : text.find(decimal_);
     // A point would be that of thousands, or of another program.

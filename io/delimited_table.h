@@ -19,11 +19,11 @@
 ///     0,1.25,"start, by hand"
 ///     0.01,,
 ///
-/// The first line that is neither blank nor a comment is the header. Lines that begin with `#` are comments;
-/// `# key: value` is collected. Cells may be quoted as in RFC 4180; blanks around an unquoted cell do not
-/// count; an empty cell is a missing value. Lines end in LF or CRLF; a byte order mark is skipped. Numbers
-/// have a decimal point whatever the locale, or, in a table whose cells are not parted by commas, a decimal comma:
-/// one sign throughout.
+/// The first line that is neither blank nor a comment is the header; it and the rows are UTF-8. Lines that begin with
+/// `#` are comments; `# key: value` is collected. Cells may be quoted as in RFC 4180; blanks around an unquoted cell
+/// do not count; an empty cell is a missing value, and so are, among numbers, NaN (in any letters) and NA. Lines end
+/// in LF or CRLF; a byte order mark is skipped. Numbers have a decimal point whatever the locale, or,
+/// in a table whose cells are not parted by commas, a decimal comma: one sign throughout.
 namespace samara::io {
 
 struct DelimitedOptions {
@@ -40,8 +40,8 @@ struct DelimitedOptions {
 class DelimitedTable {
  public:
   /// @throws InputError if the file cannot be read, is empty, has a name twice in its header, a quote that is
-  /// not closed, or a row whose number of cells differs from the header's (with the line). A table without
-  /// rows is one.
+  /// not closed, a header or row that is not UTF-8, or a row whose number of cells differs from the header's
+  /// (with the line). A table without rows is one.
   static DelimitedTable read(const std::filesystem::path& path, const DelimitedOptions& options = {});
   /// The same for a text. @param name stands for the file in messages.
   static DelimitedTable parse(std::string_view text, const std::string& name,
@@ -70,6 +70,8 @@ class DelimitedTable {
   /// The cells of a column; missing ones are empty.
   /// @throws InputError if there is no such column, naming the nearest.
   std::vector<std::string> texts(const std::string& column) const;
+  /// Whether a cell holds nothing at all. @param row below rows()
+  bool is_empty(std::size_t row, const std::string& column) const;
   /// The cells of a column as numbers; missing ones are NaN.
   /// @throws InputError as texts(), and for a cell that is not a finite number (with the line).
   Eigen::VectorXd numbers(const std::string& column) const;

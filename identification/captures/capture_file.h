@@ -10,8 +10,8 @@
 // clang-format off
 /// Reading captures from column files.
 ///
-/// The canonical text form is CSV or TSV whose header names quantity and unit; empty cells are missing
-/// values, lines that begin with `#` are comments:
+/// The canonical text form is CSV or TSV whose header names quantity and unit; empty cells, NaN and NA
+/// are missing values, lines that begin with `#` are comments:
 ///
 ///     t[s],x[m],theta[deg]
 ///     0.00,0.000,1.5

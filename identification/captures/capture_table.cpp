@@ -177,6 +177,13 @@ void begin_at_first_visible(Capture& capture, Rows& rows) {
   if (left > 0) rows.erase(rows.begin(), rows.begin() + skipped);
 }
 
+/// Cells of the rows that say in words that nothing was seen.
+std::size_t missing_words(const io::DelimitedTable& table, const Column& column, const Rows& rows) {
+  return static_cast<std::size_t>(std::ranges::count_if(rows, [&](std::size_t row) {
+    return std::isnan(column.values[static_cast<Eigen::Index>(row)]) && !table.is_empty(row, column.name);
+  }));
+}
+
 Eigen::Index visible_frames(const Capture& capture) {
   Eigen::Index count = 0;
   for (Eigen::Index frame = 0; frame < capture.times.size(); ++frame) {
@@ -235,12 +242,15 @@ Capture read_group(const io::DelimitedTable& table, const Columns& columns, cons
     check_sizes(table, *columns.time, rows);
     check_times(table, columns.time->name, rows, capture.times);
   }
+  std::size_t words = 0;
   for (const auto* some : {&columns.measured, &columns.euler}) {
     for (const Column& column : *some) {
       check_sizes(table, column, rows);
+      words += missing_words(table, column, rows);
       capture.channels.push_back({column.quantity, column.unit, picked(column.values, rows)});
     }
   }
+  if (words > 0) capture.notes.push_back(fmt::format("{} cells with NaN or NA count as not seen", words));
   if (sidecar.start == CaptureStart::first_visible) begin_at_first_visible(capture, rows);
   if (const Eigen::Index frames = visible_frames(capture); frames < 3) {
     throw table.error(rows.empty() ? group.rows.front() : rows.front(),

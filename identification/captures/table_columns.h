@@ -17,7 +17,7 @@ struct Column {
   std::string name;  ///< in the header
   std::string quantity;
   std::string unit;        ///< of SI symbols, or "px"
-  Eigen::VectorXd values;  ///< NaN where the cell is empty
+  Eigen::VectorXd values;  ///< NaN where the cell is empty, or says so
 };
 
 struct Columns {

@@ -56,7 +56,11 @@ void read_prior(const DelimitedTable& table, std::size_t row, const std::string&
   const bool is_on_log_scale = p.scale == "log" || p.scale == "log10";
   if (p.prior_numbers.size() != 2 || !(p.prior_numbers[1] > 0.0))
     throw table.error(row, "objectivePriorParameters are not a mean and a standard deviation above 0");
-  if (p.prior == "parameterScaleNormal") {
+  if (p.prior == "logNormal") {
+    // A density of the parameter, exp(-(ln x - m)^2/(2 s^2))/x: completing the square, its -log is
+    // (ln x - m + s^2)^2/(2 s^2) but for a constant.
+    p.prior_numbers[0] -= p.prior_numbers[1] * p.prior_numbers[1];
+  } else if (p.prior == "parameterScaleNormal") {
     if (p.scale == "log10")
       for (double& number : p.prior_numbers) number *= std::log(10.0);
     p.prior = is_on_log_scale ? "logNormal" : "normal";
@@ -64,7 +68,7 @@ void read_prior(const DelimitedTable& table, std::size_t row, const std::string&
   const double most = std::log(kLargestInput);
   if (p.prior == "logNormal" && !(std::abs(p.prior_numbers[0]) <= most))
     throw table.error(
-        row, fmt::format("the median of the prior is exp({:.6g}); exp({:.0f}) to exp({:.0f}) was expected",
+        row, fmt::format("the prior is highest at exp({:.6g}); exp({:.0f}) to exp({:.0f}) was expected",
                          p.prior_numbers[0], -most, most));
 }
 

@@ -131,6 +131,7 @@ class PetabTables {
     using Rows = std::map<double, std::map<std::string, double>>;  // by time and output
     std::map<std::pair<std::string, std::string>, std::vector<Rows>> series;
     std::vector<std::pair<std::string, std::string>> order;
+    std::map<std::pair<std::string, std::string>, int> words;  // cells that say that nothing was seen
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const auto at = static_cast<Eigen::Index>(row);
       if (!output_of_.contains(observables[row]))
@@ -143,11 +144,14 @@ class PetabTables {
       if (!(times[at] >= 0.0 && times[at] <= kLargestInput))
         throw table.error(row, fmt::format("the time is {}; 0 to {} was expected", times[at], kLargestInput));
       take_noise(table, row, observables[row], noises[row]);
-      if (std::isnan(values[at])) continue;
+      const std::pair key{conditions[row], replicates[row]};
+      if (std::isnan(values[at])) {
+        if (!table.is_empty(row, "measurement")) ++words[key];
+        continue;
+      }
       if (std::abs(values[at]) > kLargestInput)
         throw table.error(row, fmt::format("the measurement is {}; at most {} in size was expected",
                                            values[at], kLargestInput));
-      const std::pair key{conditions[row], replicates[row]};
       if (!series.contains(key)) order.push_back(key);
       std::vector<Rows>& repeated = series[key];
       const std::string& output = output_of_.at(observables[row]);
@@ -158,8 +162,13 @@ class PetabTables {
       });
       (place == repeated.end() ? repeated.emplace_back() : *place)[times[at]][output] = values[at];
     }
-    for (const auto& key : order)
+    for (const auto& key : order) {
+      const std::size_t first = problem_.captures.size();
       for (const Rows& rows : series.at(key)) add_capture(path, key.first, rows);
+      if (const auto count = words.find(key); count != words.end())
+        problem_.captures[first].notes.push_back(
+            fmt::format("{} cells with NaN or NA count as not seen", count->second));
+    }
   }
 
   void add_capture(const std::filesystem::path& path, const std::string& condition,

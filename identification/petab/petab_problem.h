@@ -27,7 +27,8 @@ struct PetabParameter {
   double lower = 0.0, upper = 0.0;  ///< of the bounds and a uniform prior
   std::optional<double> nominal = {};
   std::string scale = {};  ///< "lin", "log", "log10"
-  std::string prior = {};  ///< its type; empty: none
+  std::string prior = {};  ///< "normal", "logNormal"; empty: none
+  /// Of what is a square beside the frames: where it is lowest, and the deviation; of logNormal both of ln x.
   std::vector<double> prior_numbers = {};
   int line = 0;
   std::string coordinate = {};  ///< of the model, where it stands for one

@@ -153,8 +153,13 @@ class BadCaptures(Case):
     def test_a_single_frame(self):
         self.check_error(self.fit("t[s],x[m]\n0,0.1\n"), 3, "capture.csv", "at least 3")
 
-    def test_a_value_that_is_nan(self):
-        self.check_error(self.fit("t[s],x[m]\n" + self.ROWS.replace("0.1,", "0.1,nan\n0.11,", 1)), 3, "capture.csv:", "nan")
+    def test_a_value_that_is_infinite(self):
+        self.check_error(self.fit("t[s],x[m]\n" + self.ROWS.replace("0.1,", "0.1,inf\n0.11,", 1)), 3, "capture.csv:", "inf")
+
+    def test_a_header_that_is_not_utf8(self):
+        path = FOLDER / "capture.csv"
+        path.write_bytes("t[s],x[µm]\n0,1\n".encode("latin-1"))
+        self.check_error(run("fit", book("coin", COIN_PLAN), path), 3, "capture.csv:1", "0xb5", "save the table as UTF-8")
 
 
 class DoubtfulCaptures(Case):

@@ -55,11 +55,11 @@ TEST_CASE("times must be there, in a unit of time, and increase") {
   CHECK_THAT(table_error("t[s],x[m]\n0,0\n2,1\n2,4\n"), StartsWith("a.csv:4: time 2 s follows 2 s"));
   CHECK_THAT(table_error("t[s],x[m]\n0,0\n2,1\n1,4\n"), StartsWith("a.csv:4: time 1 s follows 2 s"));
   CHECK(table_error("t[s],x[m]\n0,0\n,1\n1,4\n") == "a.csv:3: column \"t[s]\": the time is missing");
+  CHECK(table_error("t[s],x[m]\n0,0\nNaN,1\n1,4\n") == "a.csv:3: column \"t[s]\": the time is missing");
 }
 
 TEST_CASE("cells must be finite numbers") {
-  CHECK_THAT(table_error("t[s],x[m]\n0,0\n1,nan\n2,4\n"), StartsWith("a.csv:3: ") && Contains("x[m]"));
-  CHECK_THAT(table_error("t[s],x[m]\n0,0\n1,inf\n2,4\n"), StartsWith("a.csv:3: "));
+  CHECK_THAT(table_error("t[s],x[m]\n0,0\n1,inf\n2,4\n"), StartsWith("a.csv:3: ") && Contains("x[m]"));
   CHECK_THAT(table_error("t[s],x[m]\n0,0\n1,far\n2,4\n"), StartsWith("a.csv:3: ") && Contains("far"));
 }
 

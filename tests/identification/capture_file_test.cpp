@@ -36,6 +36,18 @@ TEST_CASE("a canonical table is one capture, in SI units, named after its file")
   CHECK(std::isnan(capture.channel("theta").values[1]));
 }
 
+TEST_CASE("cells with NaN or NA are missing values, and a note counts those of each capture") {
+  const TemporaryDirectory files;
+  files.put("a.csv",
+            "drop,t[s],x[m],y[m]\n1,0,0,0\n1,1,nan,NaN\n1,2,2,\n1,3,3,NA\n2,0,0,0\n2,1,1,\n2,2,2,2\n");
+  const auto captures = read_captures(files.put("a.toml", "file = \"a.csv\"\ngroup_by = [\"drop\"]\n"));
+  REQUIRE(captures.size() == 2);
+  CHECK(std::isnan(captures[0].channel("x").values[1]));
+  CHECK(captures[0].channel("y").values.array().isNaN().count() == 3);
+  CHECK(captures[0].notes == std::vector<std::string>{"3 cells with NaN or NA count as not seen"});
+  CHECK(captures[1].notes.empty());
+}
+
 TEST_CASE("a capture that stands twice is found by whatever names of its file") {
   const TemporaryDirectory files;
   const std::string table = "t[s],x[m]\n0,0\n1,\n2,5\n3,9\n";

@@ -184,6 +184,38 @@ TEST_CASE("uniform priors of a PEtab problem bound on every scale, and other cou
   CHECK_THAT(with("lin", "uniform\t6;7")->complaint(), Contains("nothing in common"));
 }
 
+TEST_CASE("a logNormal prior is a density of the parameter, a parameterScaleNormal one of its logarithm") {
+  const auto most_likely = [](const std::string& scale, const std::string& prior) {
+    DecayProblem problem;
+    problem.parameters =
+        "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\tobjectivePriorType\t"
+        "objectivePriorParameters\nrate\t" +
+        scale + "\t0.1\t5\t1\t1\t" + prior + "\n";
+    // So noisy that the prior alone counts.
+    problem.observables = "observableId\tobservableFormula\tnoiseFormula\nspeed\tv\t1e4\n";
+    const FitReport report = problem.fit();
+    CHECK_THAT(report.petab_parameters, Contains("\t" + prior + "\t"));
+    return found(report, "rate");
+  };
+  // d/dx of (ln x - m)^2/(2 s^2) + ln x is 0 at exp(m - s^2), on whatever scale x is looked for.
+  for (const char* scale : {"lin", "log", "log10"})
+    CHECK(most_likely(scale, "logNormal\t0.5;0.6") == Approx(std::exp(0.5 - 0.36)).epsilon(1e-4));
+  CHECK(most_likely("log", "parameterScaleNormal\t0.5;0.6") == Approx(std::exp(0.5)).epsilon(1e-4));
+  CHECK(most_likely("log10", "parameterScaleNormal\t0.5;0.6") == Approx(std::pow(10.0, 0.5)).epsilon(1e-4));
+  CHECK(most_likely("lin", "parameterScaleNormal\t0.5;0.6") == Approx(0.5).epsilon(1e-4));
+}
+
+TEST_CASE("measurements of a PEtab problem with NaN or NA count as not seen, and a note counts them") {
+  DecayProblem problem;
+  problem.measurements +=
+      "speed\tslow\tNaN\t1.85\nspeed\tslow\tNA\t1.9\nspeed\tslow\t\t1.95\nspeed\tfast\t\t1.85\n";
+  const FitReport report = problem.fit();
+  REQUIRE(report.fit.captures.size() == 2);
+  CHECK(report.fit.captures[0].frames == 12);
+  CHECK(report.fit.captures[0].notes == std::vector<std::string>{"2 cells with NaN or NA count as not seen"});
+  CHECK(report.fit.captures[1].notes.empty());
+}
+
 TEST_CASE("the parameters that a PEtab fit writes are the rows it read, and say the same again") {
   DecayProblem problem;
   problem.parameters =
@@ -245,7 +277,7 @@ TEST_CASE("what a PEtab problem says and a fit does not know is refused with its
   CHECK_THAT(with(&DecayProblem::parameters, prior + "1e300;1\n"),
              Contains("one of objectivePriorParameters"));
   CHECK_THAT(with(&DecayProblem::parameters, prior + "1000;1\n"),
-             Contains("the median of the prior is exp(2302.59); exp(-138) to exp(138) was expected"));
+             Contains("the prior is highest at exp(2302.59); exp(-138) to exp(138) was expected"));
   CHECK_THAT(with(&DecayProblem::conditions, "conditionId\tv\nslow\t2\nfast\t1e300\n"),
              Contains("conditions.tsv:3") && Contains("v(0) is 1e+300"));
   const std::string seen = "observableId\tsimulationConditionId\tmeasurement\ttime\n";

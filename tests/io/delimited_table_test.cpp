@@ -42,6 +42,19 @@ TEST_CASE("an empty cell is a missing value") {
   CHECK(std::isnan(t.numbers("b")[2]));
 }
 
+TEST_CASE("what programs write for no value is missing among numbers, and stays a text") {
+  const DelimitedTable t = table("a,b\nNaN,1\nnan,NA\nNAN,\"NaN\"\n");
+  CHECK(t.numbers("a").array().isNaN().all());
+  CHECK(t.numbers("b")[0] == 1.0);
+  CHECK(t.numbers("b").tail(2).array().isNaN().all());
+  CHECK(t.texts("b")[1] == "NA");
+  CHECK_FALSE(t.is_empty(1, "b"));
+  CHECK(table("a,b\n,1\n").is_empty(0, "a"));
+  CHECK(std::isnan(table("a;b\n1,5;nan\n").numbers("b")[0]));
+  for (const std::string text : {"-nan", "nan(ind)", "na", "N/A", "-", "null"})
+    CHECK_THAT(number_error(text), Contains("number, found \"" + text + "\""));
+}
+
 TEST_CASE("the delimiter is the one that the header has most of") {
   CHECK(table("a,b\n1,2\n").delimiter() == ',');
   CHECK(table("a\tb\n1\t2\n").delimiter() == '\t');
@@ -145,13 +158,23 @@ TEST_CASE("text in another encoding or with other line ends is refused") {
   CHECK_THAT(table_error("a,b\r1,2\r"), Contains("carriage return"));
 }
 
+TEST_CASE("a header or row that is not UTF-8 is refused with its line, and comments are not looked at") {
+  CHECK(table_error("# a\nt[s],x[\xb5m]\n0,1\n") ==
+        "t.csv:2: the byte 0xb5 behind \"x[\" is not UTF-8; save the table as UTF-8");
+  CHECK_THAT(table_error("a;b\n1;\"two\nd\xfcrr\"\n"), Contains("t.csv:3: the byte 0xfc behind \"d\""));
+  for (const std::string cell : {"\xff", "\x80", "\xc3", "\xe2\x82", "\xc0\xaf", "\xf8\x80\x80\x80\x80"})
+    CHECK_THAT(table_error("a,b\n" + cell + ",2\n"), Contains("t.csv:2: the byte 0x"));
+  CHECK(table("# d\xfcrr\na,b\n1,2\n").rows() == 1);
+  CHECK(table("x[\xc2\xb5m],\xe2\x82\xac,\xf0\x9f\x8d\x82\n1,2,3\n").header().front() == "x[\xc2\xb5m]");
+}
+
 TEST_CASE("a cell that is not a finite number is refused with line and column") {
   CHECK(number_error("x1") == "t.csv:3: column \"b\": expected a number, found \"x1\"");
   CHECK_THAT(number_error("1 mm"), Contains("expected a number, found \"1 mm\""));
   CHECK_THAT(number_error("1.5,2"), Contains("the decimal sign is a point"));
   CHECK_THAT(number_error("0x10"), Contains("expected a number"));
   CHECK_THAT(number_error("+-1"), Contains("expected a number"));
-  for (const std::string text : {"nan", "NaN", "inf", "-Infinity", "1e999"}) {
+  for (const std::string text : {"inf", "-Infinity", "1e999"}) {
     CHECK_THAT(number_error(text), Contains("t.csv:3") && Contains("finite number, found \"" + text + "\""));
   }
   CHECK(number_error("+1.5e-3") == "no exception");
