@@ -213,10 +213,10 @@ std::string format_glb(const AnimatedScene& scene) {
   file["meshes"] = Json::array(
       {{{"primitives",
          Json::array({{{"attributes", {{"POSITION", corners}}}, {"indices", indices}, {"material", 0}}})}}});
-  file["materials"] = Json::array({{{"pbrMetallicRoughness",
-                                     {{"baseColorFactor", {0.55, 0.33, 0.16, 1.0}},
-                                      {"metallicFactor", 0.0},
-                                      {"roughnessFactor", 0.8}}}}});
+  file["materials"] = Json::array(
+      {{{"pbrMetallicRoughness",
+         {{"baseColorFactor", {0.55, 0.33, 0.16, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.8}}},
+        {"doubleSided", true}}});
   Json animation = {{"name", scene.name}, {"channels", Json::array()}, {"samplers", Json::array()}};
   for (const AnimatedBody& body : scene.bodies) {
     const int node = static_cast<int>(file["nodes"].size());
@@ -256,7 +256,9 @@ std::string format_usda(const AnimatedScene& scene) {
   text += "        dictionary parameters = {\n";
   for (const auto& [key, value] : scene.parameters)
     text += fmt::format("            double {} = {}\n", usda_text(key), value);
-  text += "        }\n    }\n)\n\nclass Mesh \"_shape\"\n{\n    uniform token subdivisionScheme = \"none\"\n";
+  text +=
+      "        }\n    }\n)\n\nclass Mesh \"_shape\"\n{\n    uniform token subdivisionScheme = \"none\"\n"
+      "    uniform bool doubleSided = true\n";
   std::string points, corners;
   for (const auto& v : scene.vertices.colwise())
     points += fmt::format("{}({}, {}, {})", points.empty() ? "" : ", ", v.x(), v.y(), v.z());
@@ -297,7 +299,7 @@ bool is_scene_name(const std::filesystem::path& path) {
 }
 
 void check_scene_name(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 3> kOthers = {".gltf", ".usd", ".usdz"};
+  constexpr std::array<std::string_view, 4> kOthers = {".gltf", ".fbx", ".usd", ".usdz"};
   if (std::ranges::count(kOthers, ending_of(path)) > 0) refuse_name(path);
 }
 

@@ -24,7 +24,7 @@ struct AnimatedBody {
 struct AnimatedScene {
   std::string name;
   Eigen::Matrix3Xd vertices;   ///< of the mesh of all bodies, in body axes
-  Eigen::Matrix3Xi triangles;  ///< numbers of their corners, counter-clockwise from outside
+  Eigen::Matrix3Xi triangles;  ///< numbers of corners, counter-clockwise from outside; both sides are seen
   std::vector<AnimatedBody> bodies;
   std::vector<std::pair<std::string, std::string>> notes = {};  ///< of the scene: what it was made from
   std::map<std::string, double> parameters = {};                ///< of the motion, SI
@@ -45,7 +45,7 @@ std::string format_usda(const AnimatedScene& scene);
 bool is_scene_name(const std::filesystem::path& path);
 
 /// For whoever writes something else under all other names.
-/// @throws ArgumentError for the ending of a scene that is not written: .gltf, .usd, .usdz
+/// @throws ArgumentError for the ending of a scene that is not written: .gltf, .fbx, .usd, .usdz
 void check_scene_name(const std::filesystem::path& path);
 
 /// In the format that the ending says.

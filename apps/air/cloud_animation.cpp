@@ -10,6 +10,7 @@
 #include "pictures/animation.h"
 #include "samara/base/errors.h"
 #include "samara/io/animated_scene.h"
+#include "samara/models/stochastic/gust_layout.h"
 #include "terminal/terminal.h"
 
 namespace samara::apps {
@@ -26,7 +27,7 @@ std::vector<Eigen::Index> columns_of(const models::PoseStates& states, const mod
   return columns;
 }
 
-/// A kept trajectory as far as it goes; of fewer than two frames there is nothing to animate.
+/// A kept trajectory as far as its frames go; of fewer than two there is nothing to animate.
 io::AnimatedBody flight(const std::string& name, const Eigen::VectorXd& times, const Eigen::MatrixXd& kept,
                         const models::PoseStates& states, const std::vector<Eigen::Index>& columns) {
   const Eigen::MatrixXd values = kept(Eigen::all, columns);
@@ -43,6 +44,39 @@ io::AnimatedBody flight(const std::string& name, const Eigen::VectorXd& times, c
     body.rotations.col(i) = pose.q_WB;
   }
   return body;
+}
+
+/// The turn of a body's state, in body axes [rad/s].
+Eigen::Vector3d turn_of(const models::GustLayout& layout, const Eigen::VectorXd& state) {
+  switch (layout.space()) {
+    case models::GustLayout::Space::body:
+      return state(layout.rotation());
+    case models::GustLayout::Space::plane:
+      // theta turns from x to z, about -y.
+      return {0.0, -state[layout.rotation()[0]], 0.0};
+    case models::GustLayout::Space::point:
+      break;
+  }
+  return Eigen::Vector3d::Zero();
+}
+
+/// One more key at the landing, up to which the body turns as it did at its last frame.
+/// @param last state of the model at the last key
+void add_landing(io::AnimatedBody& body, const models::Landing& landing, const models::GustLayout& layout,
+                 const Eigen::VectorXd& last) {
+  const Eigen::Index frames = body.times.size();
+  const double left = landing.t - body.times[frames - 1];
+  if (!(left > 0.0)) return;
+  const Eigen::Vector3d turn = left * turn_of(layout, last);
+  const Eigen::Vector4d q = body.rotations.col(frames - 1);
+  const Eigen::Quaterniond down =
+      Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * Eigen::AngleAxisd(turn.norm(), turn.normalized());
+  body.times.conservativeResize(frames + 1);
+  body.positions.conservativeResize(Eigen::NoChange, frames + 1);
+  body.rotations.conservativeResize(Eigen::NoChange, frames + 1);
+  body.times[frames] = landing.t;
+  body.positions.col(frames) = landing.position;
+  body.rotations.col(frames) << down.w(), down.vec();
 }
 
 /// A quarter of how far keys are from what their neighbours say of them: where motions are smooth, so far are they
@@ -88,17 +122,25 @@ void write_cloud_animation(const std::string& path, const CloudFile& file, const
   const models::ModelInfo& info = file.model.model().info();
   const models::PoseStates states = animated_states(info);
   const std::vector<Eigen::Index> columns = columns_of(states, info);
+  const models::GustLayout layout(file.model.model());
   io::AnimatedScene scene{
       .name = info.name, .vertices = mesh.vertices, .triangles = mesh.triangles, .bodies = {}};
   std::size_t left_out = 0;
   for (std::size_t n = 0; n < file.cloud.kept.size(); ++n) {
-    io::AnimatedBody body = flight(fmt::format("realisation {}", file.cloud.first + static_cast<long>(n)),
-                                   file.cloud.times, file.cloud.kept[n], states, columns);
-    if (body.times.size() < 2) {
+    const Eigen::MatrixXd& kept = file.cloud.kept[n];
+    const long number = file.cloud.first + static_cast<long>(n);
+    io::AnimatedBody body =
+        flight(fmt::format("realisation {}", number), file.cloud.times, kept, states, columns);
+    const Eigen::Index frames = body.times.size();
+    if (frames < 2) {
       ++left_out;
-    } else {
-      scene.bodies.push_back(std::move(body));
+      continue;
     }
+    const auto landing =
+        std::ranges::lower_bound(file.cloud.landings, number, {}, &models::Landing::realisation);
+    if (landing != file.cloud.landings.end() && landing->realisation == number)
+      add_landing(body, *landing, layout, kept.row(frames - 1).transpose());
+    scene.bodies.push_back(std::move(body));
   }
   if (scene.bodies.empty())
     throw NoResultError("no flight has two frames: there is nothing to animate, more --frames were expected");

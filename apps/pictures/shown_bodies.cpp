@@ -48,7 +48,7 @@ std::optional<models::TriangleMesh> shown_mesh(const ShownWords& words) {
         "--body is {}, a mesh file, which says no unit: --unit with mm, cm or m was expected", words.body));
   }
   return models::read_mesh(words.body, number_or_quantity("--unit", "1 " + words.unit, "m"),
-                           {.turn_outward = true});
+                           {.turn_outward = true, .closed = false});
 }
 
 }  // namespace samara::apps

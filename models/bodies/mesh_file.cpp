@@ -192,9 +192,10 @@ TriangleMesh read_mesh(const std::string& path, double metres_per_unit, const Me
                                     options.merge_tolerance, kLeastTolerance));
   }
   TriangleMesh mesh = merged(import(path), metres_per_unit, options.merge_tolerance);
+  if (mesh.triangles.cols() == 0) throw InputError(path, "none of its triangles has an area");
   try {
     if (options.turn_outward) mesh = oriented_outward(std::move(mesh));
-    require_closed(mesh);
+    if (options.closed) require_closed(mesh);
   } catch (const ArgumentError& error) {
     throw InputError(path, error.what());
   }

@@ -16,9 +16,11 @@ struct MeshFileOptions {
   double merge_tolerance = 1e-6;
   /// Turn the surface over if it is inside out, instead of refusing it.
   bool turn_outward = false;
+  /// Refuse what encloses no volume. Without it, open surfaces are taken, too: they are good for pictures only.
+  bool closed = true;
 };
 
-/// A closed mesh [m] from a file.
+/// A mesh [m] from a file, closed unless the options say otherwise.
 /// @param metres_per_unit what one unit of the file means: such files carry no unit. 1e-3 for millimetres.
 /// @throws InputError if the file cannot be read, has another ending, holds no triangles or a coordinate that
 ///   is not finite, or is not closed (require_closed, with the place in metres).

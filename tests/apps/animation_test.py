@@ -5,6 +5,7 @@ with the CSV of the same call. The official validator (npm: gltf-validator) is a
 """
 
 import csv
+import math
 import re
 
 import h5py
@@ -103,19 +104,43 @@ class Animations(Case):
             paths, times = file["kept"][:], file["t"][:]
         self.assertEqual(paths.shape[:2], (3, 501), names)
         for node, path in enumerate(paths):
-            # Each to where it lands; positions are the first three states.
+            # Each frame up to the landing, which is one key more; positions are the first three states.
             seen = np.isfinite(path).all(1)
             self.assertLess(seen.sum(), 501)
             channel = glb.channel("translation", node)
-            self.assertEqual(len(channel[0]), seen.sum())
-            np.testing.assert_allclose(channel[1], y_up(path[seen][:, :3]), atol=1e-6)
-            np.testing.assert_allclose(channel[0], times[seen], atol=1e-6)
+            self.assertEqual(len(channel[0]), seen.sum() + 1)
+            np.testing.assert_allclose(channel[1][:-1], y_up(path[seen][:, :3]), atol=1e-6)
+            np.testing.assert_allclose(channel[0][:-1], times[seen], atol=1e-6)
         # All of them, unless fewer are asked for; and frames that are too few are told of.
         result = run("simulate", *card, "--realisations", "4", "--frames", "6", "-o", FOLDER / "few.glb")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stderr, r"players draw bodies up to .* degrees .* times as many --frames would do")
         self.assertEqual(len(Glb(FOLDER / "few.glb").json["nodes"]), 4)
         self.check_error(run("simulate", *card, "--realisations", "4", "--keep", "0", "-o", FOLDER / "none.glb"), 2, "--keep is 0")
+
+    def test_each_flight_that_lands_ends_at_its_landing(self):
+        card = ["immersed_body_in_gusts", *CARD[:-2], "--set", "z(0)=0.1"]
+        plate = ["falling_plate_in_gusts", "--set", "semi_chord=1 cm", "--set", "semi_thickness=0.2 mm", "--set", "density=2700",
+                 "--set", "fluid_density=1.2", "--set", "nu=1.5e-5", "--set", "w(0)=20", "--set", "y(0)=0.1"]
+        air = ["--until", "0.6", "--turbulence", "uniform", "deviation=0.1", "scale=0.5", "--seed", "3", "--realisations", "4", "--first", "2",
+               "--ground", "0", "--step", "0.1 ms", "--keep", "4"]
+        for model, poses in [(card, spatial), (plate, planar)]:
+            glb = Glb(written("simulate", *model, *air, "--frames", "61", name="landing.glb"))
+            # Frames of every step say how bodies stand when they land.
+            with h5py.File(written("simulate", *model, *air, "--frames", "6001", name="landing.h5")) as file:
+                names = [name.decode() for name in file["kept_states"]]
+                paths, landings = file["kept"][:], file["landings"][:]
+            np.testing.assert_array_equal(landings[:, 0], [2, 3, 4, 5])
+            for node, (path, (_, t, *place)) in enumerate(zip(paths, landings)):
+                times, places = glb.channel("translation", node)
+                self.assertAlmostEqual(times[-1], t, delta=1e-6)
+                np.testing.assert_allclose(places[-1], y_up(np.array(place)), atol=1e-6)
+                self.assertEqual(len(times), math.floor(t / 0.01) + 2)
+                # A hundredth of a second before, bodies stand up to 13 degrees otherwise.
+                last = path[np.isfinite(path).all(1)][-1]
+                _, turns = poses({name: last[k:k + 1] for k, name in enumerate(names)})
+                expected = np.append(y_up(turns[0, 1:]), turns[0, 0])
+                self.assertLess(math.degrees(2 * math.acos(min(1.0, abs(glb.channel("rotation", node)[1][-1] @ expected)))), 2)
 
     def test_a_motion_that_was_moved_into_the_box_is_told(self):
         moved = run("query", book("coin", COIN_PLAN), "--set", "C_D=7", "--set", "v(0)=0.2", "--clamp", "-o", FOLDER / "moved.glb")
@@ -141,6 +166,15 @@ class Animations(Case):
         self.assertEqual(len(triangles), 4)
         corners, _ = Glb(written("simulate", "immersed_body", *CARD, "--body", "plate", "--size", "3 cm", "2 cm", "1 mm")).mesh()
         np.testing.assert_allclose(corners.max(axis=0), [0.015, 5e-4, 0.01], rtol=1e-6)
+
+    def test_an_open_surface_is_drawn_from_both_sides_and_gives_no_mass(self):
+        leaf = write("leaf.obj", "v -3.5 0 0\nv 0 2 0\nv 3.5 0 0\nv 0 -2 0\nf 1 2 3 4\n")
+        glb = Glb(written("simulate", "immersed_body", *CARD, "--body", leaf, "--unit", "cm"))
+        corners, triangles = glb.mesh()
+        np.testing.assert_allclose(np.abs(corners).max(axis=0), [0.035, 0, 0.02], atol=1e-6)
+        self.assertEqual((len(triangles), glb.json["materials"][0]["doubleSided"]), (2, True))
+        self.check_error(run("simulate", "kirchhoff_body", "--body", leaf, "--unit", "cm", "--density", "700", "--fluid", "1.2", "--until", "1",
+                             "-o", FOLDER / "heavy.glb"), 3, "leaf.obj", "not closed")
 
     def test_the_scene_as_text_has_the_same_keys(self):
         glb = Glb(written("simulate", "falling_plate_nd", *PLATE))
@@ -169,7 +203,7 @@ class Animations(Case):
         self.check_error(run("simulate", "immersed_body", *CARD, "--forces", "-o", motion), 2, "--forces")
         self.check_error(run("simulate", "immersed_body", *CARD, "--body", "ball", "-o", motion), 2, "--unit")
         self.assertFalse(motion.exists())
-        for name in ("refused.gltf", "refused.usd", "refused.USDZ"):
+        for name in ("refused.gltf", "refused.fbx", "refused.usd", "refused.USDZ"):
             for call in (["simulate", "immersed_body", *CARD], ["query", book("coin", COIN_PLAN), "--set", "C_D=1", "--set", "v(0)=0"]):
                 self.check_error(run(*call, "-o", FOLDER / name), 2, name, "expected a name that ends in .glb or .usda")
             self.assertFalse((FOLDER / name).exists())

@@ -313,6 +313,18 @@ class ExplorerInBrowser(Case):
         self.assertGreater(len(set(numbers)), 50)
         self.check_quiet()
 
+    def test_an_open_surface_is_drawn_from_both_sides(self):
+        leaf = write("leaf.obj", "v -3.5 0 0\nv 0 2 0\nv 3.5 0 0\nv 0 -2 0\nf 1 2 3 4\n")
+        self.opened(explored(book("coin", COIN_PLAN), "--body", leaf, "--unit", "cm", name="leaf"))
+        self.assertEqual(self.browser.value("""[40, -40].map((tilt) => {
+            let fills = 0;
+            const g = {beginPath() {}, lineTo() {}, closePath() {}, stroke() {}, fill() { ++fills; }}, view = new BodyView(null, {turn: 0, tilt, zoom: 1});
+            view.drawMesh(g, {colour: "#336699", pose: {p: [0, 0, 0], q: [1, 0, 0, 0]}}, meshOf(explorer.state.book.body), 1, view.axes(), (v) => v,
+                          (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2]);
+            return fills;
+        })"""), [2, 2])
+        self.check_quiet()
+
     def test_the_saved_animation_follows_the_codebook(self):
         self.opened(explored(book("card", CARD_PLAN), name="animation"))
         path = FOLDER / "page.glb"

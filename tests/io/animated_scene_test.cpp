@@ -63,6 +63,11 @@ TEST_CASE("an animation has a node for each body, one mesh, and chunks as long a
   CHECK(count(samara::io::format_usda(scene()), "float3[] extent = [(0, 0, 0), (1, 1, 1)]") == 1);
 }
 
+TEST_CASE("players draw both sides of a mesh, which may be open") {
+  CHECK(count(samara::io::format_glb(scene()), "\"doubleSided\":true") == 1);
+  CHECK(count(samara::io::format_usda(scene()), "uniform bool doubleSided = true\n") == 1);
+}
+
 TEST_CASE("rotations take the shorter way, and keys that single floats cannot tell apart become one") {
   AnimatedScene s = scene();
   s.bodies.resize(1);
@@ -111,7 +116,7 @@ TEST_CASE("a scene is written as the ending of the file's name says, and not und
   const auto table = directory / "scene.csv";
   CHECK_FALSE(samara::io::is_scene_name(table));
   CHECK_NOTHROW(samara::io::check_scene_name(table));
-  for (const char* other : {"scene.gltf", "scene.usd", "scene.USDZ"}) {
+  for (const char* other : {"scene.gltf", "scene.fbx", "scene.usd", "scene.USDZ"}) {
     CHECK_FALSE(samara::io::is_scene_name(other));
     CHECK_THROWS_WITH(samara::io::check_scene_name(other),
                       "\"" + std::string(other) + "\" was given, expected a name that ends in .glb or .usda");

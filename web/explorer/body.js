@@ -33,7 +33,9 @@ function meshOf(body) {
   const corners = [], triangles = [];
   for (let k = 0; k < body.vertices.length; k += 3) corners.push([body.vertices[k], body.vertices[k + 1], body.vertices[k + 2]]);
   for (let k = 0; k < body.triangles.length; k += 3) triangles.push(body.triangles.slice(k, k + 3));
-  return {corners, triangles};
+  // Each side of a triangle of a closed mesh is run through the other way by a neighbour.
+  const sides = triangles.flatMap(([a, b, c]) => [[a, b], [b, c], [c, a]]), known = new Set(sides.map(([a, b]) => `${a} ${b}`));
+  return {corners, triangles, isOpen: sides.some(([a, b]) => !known.has(`${b} ${a}`))};
 }
 
 const sizeOf = (mesh) => 2 * Math.max(...mesh.corners.map((corner) => Math.hypot(...corner)));
@@ -109,8 +111,11 @@ class BodyView {
     for (const [a, b, c] of shape.triangles) {
       const [A, B, C] = [corners[a], corners[b], corners[c]];
       const u = B.map((v, k) => v - A[k]), w = C.map((v, k) => v - A[k]);
-      const n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
-      if (dot(n, axes[2]) >= 0) continue;  // turned away
+      let n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
+      if (dot(n, axes[2]) >= 0) {  // turned away
+        if (!shape.isOpen) continue;
+        n = n.map((v) => -v);
+      }
       const shade = 0.45 + 0.55 * Math.max(0, dot(n, light) / (Math.hypot(...n) || 1));
       faces.push({points: [A, B, C].map(place), depth: dot(A, axes[2]) + dot(B, axes[2]) + dot(C, axes[2]), shade});
     }

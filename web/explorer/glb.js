@@ -80,7 +80,7 @@ function glbOf({name, mesh, times, poses, extras}) {
     asset: {version: "2.0", generator: "samara explore"}, scene: 0, scenes: [{nodes: [0], name, extras}],
     nodes: [{name: "body", mesh: 0, extras: {start}}],
     meshes: [{primitives: [{attributes: {POSITION: 0}, indices: 1, material: 0}]}],
-    materials: [{pbrMetallicRoughness: {baseColorFactor: [0.55, 0.33, 0.16, 1], metallicFactor: 0, roughnessFactor: 0.8}}],
+    materials: [{pbrMetallicRoughness: {baseColorFactor: [0.55, 0.33, 0.16, 1], metallicFactor: 0, roughnessFactor: 0.8}, doubleSided: true}],
     accessors: [accessor(0, 5126, corners.length / 3, "VEC3", {min: ends(0, Math.min), max: ends(0, Math.max)}),
                 accessor(1, 5125, indices.length, "SCALAR"), accessor(2, 5126, keys.length, "SCALAR", {min: [0], max: [keys[keys.length - 1]]}),
                 accessor(3, 5126, poses.length, "VEC3"), accessor(4, 5126, poses.length, "VEC4")],

@@ -132,6 +132,22 @@ TEST_CASE("mesh files that hold no closed surface are refused with file and plac
   CHECK(enclosed_volume(read_mesh(inverted, 1.0, options)) > 0.0);
 }
 
+TEST_CASE("an open surface is taken where no volume is asked of it, and a broken one is not") {
+  const Files files;
+  const MeshFileOptions shown{.closed = false};
+  const std::string leaf = files.write("leaf.obj", "v -3.5 0 0\nv 0 2 0\nv 3.5 0 0\nv 0 -2 0\nf 1 2 3 4\n");
+  const TriangleMesh mesh = read_mesh(leaf, 1e-2, shown);
+  CHECK(mesh.vertices.cols() == 4);
+  CHECK(mesh.triangles.cols() == 2);
+  CHECK_THAT(mesh.vertices.row(0).maxCoeff(), WithinRel(0.035, 1e-6));
+  CHECK_THROWS_WITH(read_mesh(leaf, 1e-2), Contains("leaf.obj") && Contains("not closed"));
+  CHECK_THROWS_AS(read_mesh(files.write("points.obj", "v 0 0 0\nv 1 0 0\n"), 1.0, shown), samara::InputError);
+  CHECK_THROWS_AS(read_mesh(files.write("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), 1.0, shown),
+                  samara::InputError);
+  CHECK_THROWS_WITH(read_mesh(files.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n"), 1.0, shown),
+                    Contains("none of its triangles has an area"));
+}
+
 TEST_CASE("files whose indices or counts lead out of them are refused before anything trusts them") {
   const Files files;
   const auto error_of = [&](const std::string& name, const std::string& text) {
