@@ -18,12 +18,19 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/samaraConfig.cmake
   ${CMAKE_CURRENT_BINARY_DIR}/samaraConfigVersion.cmake DESTINATION ${samara_cmake_dir} COMPONENT dev)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/FindSparseSolvers.cmake DESTINATION ${samara_cmake_dir} COMPONENT dev)
 
-# pkg-config is for programs in C, which link one library; where it stands is found from the file itself, so that the
-# prefix may be moved.
-if(samara_has_codebooks AND BUILD_SHARED_LIBS)
+# pkg-config is for programs in C: a file for each library that they link. Where it stands is found from the file
+# itself, so that the prefix may be moved.
+function(samara_pc samara_pc_name samara_pc_library samara_pc_description)
   file(RELATIVE_PATH samara_pc_to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
-  configure_file(${CMAKE_CURRENT_LIST_DIR}/samara.pc.in ${CMAKE_CURRENT_BINARY_DIR}/samara.pc @ONLY)
-  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/samara.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${samara_pc_name}.pc)
+  configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/samara.pc.in ${file} @ONLY)
+  install(FILES ${file} DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+endfunction()
+if(samara_has_codebooks AND BUILD_SHARED_LIBS)
+  samara_pc(samara samara_c "Codebooks of bodies moving in a fluid, asked from C")
+endif()
+if(samara_has_motion AND BUILD_SHARED_LIBS)
+  samara_pc(samara-motion samara_motion_c "Many falling bodies at run time, from C")
 endif()
 
 # Pages and examples come with the command. Packages have the licence in a file of their own kind.

@@ -22,6 +22,11 @@ if [ -n "$pc" ] && command -v pkg-config >/dev/null; then
   cc "$here/consumer/ask.c" $(pkg-config --cflags --libs samara) -lm -o "$work/asked_by_pkg_config" \
     -Wl,-rpath,"$libraries" -Wl,-rpath-link,"$libraries"
   "$work/asked_by_pkg_config" "$work/book.h5"
+  # Falling bodies have a library and a file of their own.
+  # shellcheck disable=SC2046
+  cc "$here/consumer/bodies.c" $(pkg-config --cflags --libs samara-motion) -o "$work/bodies_by_pkg_config" \
+    -Wl,-rpath,"$libraries" -Wl,-rpath-link,"$libraries"
+  "$work/bodies_by_pkg_config"
 fi
 for program in "$work"/consumer/objects_*; do
   if [[ $program == *avx2* ]] && ! grep -qw avx2 /proc/cpuinfo; then
