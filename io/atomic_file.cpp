@@ -1,5 +1,7 @@
 #include "samara/io/atomic_file.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
@@ -14,6 +16,7 @@
 #include <unistd.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/io/descriptor.h"
 
 namespace samara::io {
@@ -180,6 +183,23 @@ void require_writable(const fs::path& path) {
   }
   if (const auto open = descriptor_at(path)) return require_open_for_writing(*open, path);
   const PendingFile probe(path);
+}
+
+void require_name_of_format(const fs::path& path, std::string_view ending) {
+  constexpr std::array<std::string_view, 23> kOfFormats = {
+      ".h5",  ".hdf5", ".csv",  ".tsv", ".txt", ".json", ".toml", ".yaml", ".yml", ".png",  ".svg", ".html",
+      ".glb", ".usda", ".gltf", ".fbx", ".obj", ".stl",  ".ply",  ".vtu",  ".pvd", ".xdmf", ".flat"};
+  const std::string found = ending_of(path);
+  const bool is_hdf5 = ending == ".h5";
+  if (found == ending || found == (is_hdf5 ? ".hdf5" : ".txt")) return;
+  if (std::ranges::count(kOfFormats, found) == 0) return;
+  const std::string format = is_hdf5             ? "HDF5"
+                             : ending == ".csv"  ? "CSV"
+                             : ending == ".json" ? "JSON"
+                             : ending == ".toml" ? "TOML"
+                                                 : "text";
+  throw ArgumentError("the output is \"" + path.string() + "\", but " + format +
+                      " is written; a name that ends in " + std::string(ending) + " was expected");
 }
 
 void write_text_atomically(const fs::path& path, std::string_view text) {

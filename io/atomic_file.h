@@ -50,6 +50,12 @@ class PendingFile {
 /// @throws ArgumentError naming the path and the reason if not.
 void require_writable(const std::filesystem::path& path);
 
+/// Of a file that has one format whatever its name is: `fall.csv` must not hold a codebook. Capitals do not matter.
+/// Names without an ending, or with one that is of no format here, are taken, and of all texts .txt.
+/// @param ending of the format: .h5, .csv, .json, .toml, or .txt for text to read
+/// @throws ArgumentError for a name with the ending of another format
+void require_name_of_format(const std::filesystem::path& path, std::string_view ending);
+
 /// Replaces or creates the file. Pipes and devices (/dev/stdout, /dev/null) are written directly; so is a file that
 /// stdout, stderr or the descriptor named (/dev/fd/3) leads to: what stands in it already stays.
 /// @throws ArgumentError naming the path and the reason if it cannot be written.

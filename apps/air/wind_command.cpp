@@ -194,7 +194,7 @@ Json series_json(const wind::WindSeries& series, const wind::SeriesStatistics& s
 }
 
 int run_wind(const WindArguments& arguments) {
-  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.file});
+  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.file}, ".csv");
   const codebooks::WindFile file = codebooks::read_wind(arguments.file);
   if (arguments.at.empty()) {
     if (arguments.json) {

@@ -86,6 +86,13 @@ int end_interrupted(const std::filesystem::path& checkpoint) {
   return kInterrupted;
 }
 
+std::string kept_calls(const std::filesystem::path& checkpoint) {
+  return fmt::format(
+      "the calls that were answered are kept in {}: the same line calls for the others only, a changed plan "
+      "needs --fresh",
+      checkpoint.string());
+}
+
 int run_build(const BuildArguments& arguments) {
   if (arguments.dry_run) {
     const codebooks::Plan plan = plan_of(arguments);
@@ -115,14 +122,16 @@ int run_build(const BuildArguments& arguments) {
                          : wrapped_lines(to_table(*result.book.certificate(), result.book)));
     if (result.met) return kDone;
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
-    if (result.resumable)
-      warn(fmt::format("the calls that were answered are kept in {}: the same line goes on from there",
-                       options.checkpoint.string()));
+    if (result.resumable) warn(kept_calls(options.checkpoint));
     return kToleranceMissed;
-  } catch (const NoResultError&) {
+  } catch (const NoResultError& error) {
     // A program that is asked for answers gets Ctrl-C too, and ends.
     if (is_interrupted()) return end_interrupted(options.checkpoint);
-    throw;
+    // A program may be mended and go on; where a model gives no result, it never will.
+    std::error_code ignored;
+    if (!plan.command) std::filesystem::remove(options.checkpoint, ignored);
+    if (!std::filesystem::exists(options.checkpoint, ignored)) throw;
+    throw NoResultError(fmt::format("{}; {}", error.what(), kept_calls(options.checkpoint)));
   }
 }
 

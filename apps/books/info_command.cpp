@@ -13,6 +13,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/unit_labels.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/codebooks/file/load.h"
 #include "terminal/output.h"
 #include "terminal/terminal.h"
@@ -208,7 +209,11 @@ std::string describe(const Codebook& book, const std::string& path) {
   const Numbers numbers = count(outlines);
   std::string text;
   if (book.certificate() && !book.certificate()->met)
-    text += fmt::format("MISSED ITS TOLERANCE: {}\n", miss_of(book));
+    text +=
+        fmt::format("{}: {}\n",
+                    codebooks::is_only_unfinished(book.build(), *book.certificate()) ? "NOT CONVERGED"
+                                                                                     : "MISSED ITS TOLERANCE",
+                    miss_of(book));
   text += fmt::format("{}{}\nmodel {}: {}\n  {}\n", path,
                       book.title().empty() ? "" : fmt::format(": {}", book.title()), book.model().name,
                       book.model().title, book.model().equations);
@@ -234,16 +239,24 @@ std::string describe(const Codebook& book, const std::string& path) {
       fmt::format("size: {:.0f} bytes; a table of all nodes would take {}: {:.0f} numbers in place of {}\n",
                   bytes, count_text(table_bytes), numbers.stored, count_text(numbers.table));
   const codebooks::BuildRecord& build = book.build();
-  text += fmt::format("build: {} ({}), {}: {}\n  {}\n", build.builder, build.strategy,
-                      to_string(build.status), build.message, effort(book));
+  text += fmt::format("build: {} ({}), {}: {}\n", build.builder, build.strategy, to_string(build.status),
+                      build.message);
+  if (build.rounds > 0) text += fmt::format("  {}\n", effort(book));
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
-  text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
-                      book.provenance().created, book.provenance().build_seconds);
+  const codebooks::Provenance& made = book.provenance();
+  text += fmt::format("made by {}", made.generator);
+  if (!made.created.empty()) text += fmt::format(" on {}", made.created);
+  if (made.build_seconds > 0.0) text += fmt::format(" in {:.1f} s", made.build_seconds);
+  text += "\n";
   return printable(text, "\n");
 }
 
 int run_info(const InfoArguments& arguments) {
-  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.book});
+  if (!arguments.output.empty())
+    check_text_output(arguments.output, {arguments.book},
+                      arguments.plan   ? ".toml"
+                      : arguments.json ? ".json"
+                                       : ".txt");
   if (flow::is_flow_file(arguments.book)) {
     if (arguments.plan)
       throw ArgumentError(fmt::format("--plan is of codebooks, and {} is a flow", arguments.book));

@@ -73,7 +73,7 @@ std::string name_in_plan(const std::string& model, const std::string& output) {
 
 int run_plan(const PlanArguments& arguments) {
   if (!arguments.output.empty()) {
-    check_text_output(arguments.output, {arguments.model});
+    check_text_output(arguments.output, {arguments.model}, ".toml");
     check_replaced(arguments.output, "plan", "[box");
   }
   std::string text;

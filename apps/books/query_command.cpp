@@ -261,8 +261,8 @@ int run_query(const QueryArguments& arguments) {
   if (arguments.until.empty() && !arguments.second.empty())
     throw ArgumentError("--second is of composed windows: --until was expected beside it");
   if (!arguments.output.empty())
-    check_text_or_scene_output(arguments.output, {arguments.book, arguments.points, arguments.second});
-  io::check_scene_name(arguments.output);
+    check_text_or_scene_output(arguments.output, {arguments.book, arguments.points, arguments.second},
+                               arguments.json ? ".json" : ".csv");
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   if (io::is_scene_name(arguments.output)) return run_animated(arguments, book);

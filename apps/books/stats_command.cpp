@@ -230,7 +230,8 @@ Json statistics_json(const Codebook& book, const BookStatistics& s) {
 }
 
 int run_stats(const StatsArguments& arguments) {
-  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.book, arguments.fit});
+  if (!arguments.output.empty())
+    check_text_output(arguments.output, {arguments.book, arguments.fit}, arguments.json ? ".json" : ".csv");
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   BookStatistics statistics = take_statistics(book, request_of(arguments, book));

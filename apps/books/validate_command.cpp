@@ -9,6 +9,7 @@
 #include "inputs/bodies.h"
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/certify_plan.h"
 #include "samara/codebooks/fields/ready_field.h"
@@ -71,7 +72,8 @@ void check_plan(const codebooks::Codebook& book, const ValidateArguments& argume
 }
 
 int run_validate(const ValidateArguments& arguments) {
-  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.book, arguments.plan});
+  if (!arguments.output.empty())
+    check_text_output(arguments.output, {arguments.book, arguments.plan}, arguments.json ? ".json" : ".txt");
   const codebooks::Codebook book = codebooks::load(arguments.book);
   check_plan(book, arguments);
   codebooks::CertifyOptions options;
@@ -91,6 +93,8 @@ int run_validate(const ValidateArguments& arguments) {
   if (book.certificate()) {
     certificate.residual = book.certificate()->residual;
     certificate.spent = book.certificate()->spent;
+    certificate.met = certificate.met &&
+                      codebooks::is_left_to_certificate(book.build(), certificate.spent, options.tolerance);
   }
   clear_progress();
   if (certificate.norm_defect && certificate.norm_defect->max > options.tolerance && book.certificate()) {

@@ -84,7 +84,7 @@ int run_compare(const CompareArguments& arguments) {
     inputs.insert(inputs.end(), arguments.sources.begin(), arguments.sources.end());
     for (std::string& file : files_of_captures(arguments.captures, arguments.sidecar))
       inputs.push_back(std::move(file));
-    check_text_output(arguments.output, inputs);
+    check_text_output(arguments.output, inputs, ".json");
   }
   const id::ModelComparison comparison = id::compare_files(request_of(arguments));
   clear_progress();

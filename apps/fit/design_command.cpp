@@ -105,7 +105,7 @@ id::DesignOptions options_of(const DesignArguments& arguments, const models::Fam
 
 int run_design(const DesignArguments& arguments) {
   if (!arguments.output.empty())
-    check_text_output(arguments.output, {arguments.source, arguments.fit, arguments.config});
+    check_text_output(arguments.output, {arguments.source, arguments.fit, arguments.config}, ".json");
   const id::Design design = id::design_files(
       {.source = arguments.source,
        .fit = arguments.fit,

@@ -88,7 +88,12 @@ std::vector<std::string> petab_files(const FitArguments& arguments) {
 void check_outputs(const FitArguments& arguments, const id::FitRequest& request) {
   std::vector<std::string> inputs;
   for (const std::filesystem::path& file : id::files_read(request)) inputs.push_back(file.string());
-  if (!arguments.output.empty()) check_text_output(arguments.output, inputs);
+  std::vector<std::pair<std::string, std::string>> written = {
+      {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
+  if (!arguments.petab.empty())
+    for (const std::string& file : petab_files(arguments)) written.emplace_back("--petab", file);
+  check_outputs_differ(written);
+  if (!arguments.output.empty()) check_text_output(arguments.output, inputs, ".json");
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
   if (!arguments.series.empty()) check_file_output(arguments.series, inputs);
   const auto is_problem = [](const std::string& file) {
@@ -97,11 +102,6 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   };
   if (!arguments.petab.empty() && std::ranges::none_of(arguments.captures, is_problem))
     throw ArgumentError("--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
-  std::vector<std::pair<std::string, std::string>> written = {
-      {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
-  if (!arguments.petab.empty())
-    for (const std::string& file : petab_files(arguments)) written.emplace_back("--petab", file);
-  check_outputs_differ(written);
   check_ending("--report", arguments.report, ".html");
   if (arguments.petab.empty()) return;
   // Last: a call that is refused leaves no folder behind.

@@ -92,7 +92,7 @@ void check_files(const FollowArguments& arguments) {
   tracks.push_back(arguments.track);
   std::vector<std::string> inputs = files_of_captures(tracks, arguments.sidecar);
   inputs.insert(inputs.end(), {arguments.source, arguments.fit, arguments.config});
-  check_text_output(arguments.output, inputs);
+  check_text_output(arguments.output, inputs, ".csv");
 }
 
 int run_follow(const FollowArguments& arguments) {
@@ -103,9 +103,7 @@ int run_follow(const FollowArguments& arguments) {
   for (const id::Warning& warning : report.warnings) warn(warning.sentence);
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::follow_csv(report));
   print(arguments.json ? id::follow_json(report) : wrapped_prose(printable(id::follow_text(report), "\n")));
-  if (id::has_followed(report)) return kDone;
-  warn("no start was found: no frame was followed");
-  return kToleranceMissed;
+  return id::is_followed_to_end(report) ? kDone : kToleranceMissed;
 }
 
 }  // namespace

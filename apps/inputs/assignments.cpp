@@ -101,7 +101,8 @@ std::string shell_name(const std::string& name, const std::vector<std::string>& 
   return contains(known, plain) ? name : plain;
 }
 
-void require_parameters(const models::ModelInfo& info, const std::map<std::string, double>& values) {
+void require_parameters(const std::string& source, const models::ModelInfo& info,
+                        const std::map<std::string, double>& values) {
   std::string missing;
   for (const models::ParameterInfo& p : info.parameters) {
     if (values.contains(p.name) || p.default_value || !p.derived.empty()) continue;
@@ -109,7 +110,7 @@ void require_parameters(const models::ModelInfo& info, const std::map<std::strin
   }
   if (missing.empty()) return;
   throw ArgumentError(fmt::format("the model \"{}\" needs more: {}; samara models {} explains them",
-                                  info.name, missing, info.name));
+                                  info.name, missing, source));
 }
 
 std::map<std::string, double> parse_assignments(const std::vector<std::string>& texts,

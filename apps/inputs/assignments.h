@@ -43,8 +43,10 @@ std::string full_name(const std::string& name, const std::vector<std::string>& k
 std::string shell_name(const std::string& name, const std::vector<std::string>& known);
 
 /// Whether all parameters that have no default are among the values.
+/// @param source of the model, as the caller typed it: its name, or its file
 /// @throws ArgumentError naming the others, as --set would give them
-void require_parameters(const models::ModelInfo& info, const std::map<std::string, double>& values);
+void require_parameters(const std::string& source, const models::ModelInfo& info,
+                        const std::map<std::string, double>& values);
 
 /// Values of "NAME=VALUE" texts in SI.
 /// @param units of every name that may be set

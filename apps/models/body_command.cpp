@@ -70,7 +70,11 @@ std::string words_of(const models::BodyInFluid& described, const std::map<std::s
 }
 
 int run_body(const BodyArguments& arguments) {
-  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.words.body});
+  if (!arguments.output.empty())
+    check_text_output(arguments.output, {arguments.words.body},
+                      arguments.toml   ? ".toml"
+                      : arguments.json ? ".json"
+                                       : ".txt");
   std::optional<double> viscosity;
   if (!arguments.viscosity.empty()) viscosity = positive_quantity("--viscosity", arguments.viscosity, "Pa s");
   const models::BodyInFluid described = work_out(description_of(arguments.words));

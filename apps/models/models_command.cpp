@@ -203,7 +203,8 @@ bool append_check(const models::Model& model, std::string& text) {
 }
 
 int run_models(const ModelsArguments& arguments) {
-  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.model});
+  if (!arguments.output.empty())
+    check_text_output(arguments.output, {arguments.model}, arguments.json ? ".json" : ".txt");
   std::vector<Listed> listed;
   const models::FieldModel* field = models::find_field_model(arguments.model);
   if (field != nullptr) {

@@ -230,11 +230,14 @@ int animate(const SimulateArguments& arguments, const models::ParametricModel& p
 int run_simulate(const SimulateArguments& arguments) {
   check_cloud_words(arguments);
   if (!arguments.output.empty()) {
-    const auto check = arguments.cloud.realisations.empty() ? check_text_or_scene_output : check_output;
-    check(arguments.output, {arguments.model, arguments.coefficients, arguments.wind, arguments.body.body});
+    const std::vector<std::string> inputs = {arguments.model, arguments.coefficients, arguments.wind,
+                                             arguments.body.body};
+    if (arguments.cloud.realisations.empty()) {
+      check_text_or_scene_output(arguments.output, inputs, arguments.cloud.json ? ".json" : ".csv");
+    } else {
+      check_output(arguments.output, inputs);  // clouds name more endings
+    }
   }
-  if (arguments.cloud.realisations.empty())
-    io::check_scene_name(arguments.output);  // clouds name more endings
   const auto still = codebooks::open_model(arguments.model);
   const models::ModelInfo& info = still->info();
   if (arguments.forces && info.force_terms.empty()) {
@@ -260,7 +263,7 @@ int run_simulate(const SimulateArguments& arguments) {
     steered = model_with_series(arguments.coefficients, model, steered.values);
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
-  require_parameters(steered.model->info(), steered.values);
+  require_parameters(arguments.model, steered.model->info(), steered.values);
   const models::ParametricModel parametric(steered.model, steered.values, {});
   warn_of_parameters(*model, parametric.fixed());
   const double end = end_of(arguments, parametric);

@@ -127,7 +127,7 @@ int run_ghost(const GhostArguments& arguments) {
   if (!arguments.output.empty()) {
     std::vector<std::string> inputs = files_of_captures(std::span(&arguments.path, 1));
     inputs.insert(inputs.end(), {arguments.model, arguments.coefficients});
-    check_text_output(arguments.output, inputs);
+    check_text_output(arguments.output, inputs, ".csv");
   }
   const auto model = codebooks::open_model(arguments.model);
   std::map<std::string, std::string> units, parameter_units;
@@ -139,7 +139,7 @@ int run_ghost(const GhostArguments& arguments) {
     steered = model_with_series(arguments.coefficients, model, steered.values);
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
-  require_parameters(model->info(), steered.values);
+  require_parameters(arguments.model, model->info(), steered.values);
   const models::ParametricModel parametric(steered.model, steered.values, {});
   parametric.check({});
   warn_of_parameters(*model, parametric.fixed());

@@ -60,7 +60,7 @@ models::ParametricModel body_of(const std::string& name, const std::vector<std::
   for (const auto& parameter : model->info().parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : model->info().states) units[state.name + "(0)"] = state.unit;
   const std::map<std::string, double> values = parse_assignments(set, units);
-  require_parameters(model->info(), values);
+  require_parameters(name, model->info(), values);
   const models::ParametricModel body(model, values, {});
   body.check({});
   warn_of_parameters(*model, body.fixed());

@@ -201,7 +201,8 @@ int run_patterns(const PatternsArguments& arguments) {
                                           : files_of_captures(arguments.inputs, arguments.sidecar);
     inputs.insert(inputs.end(), {arguments.labels, arguments.body});
     std::erase(inputs, "");
-    if (!arguments.output.empty()) check_text_output(arguments.output, inputs);
+    const char* ending = arguments.json ? ".json" : asks_for_points(arguments) ? ".csv" : ".txt";
+    if (!arguments.output.empty()) check_text_output(arguments.output, inputs, ending);
     if (!arguments.report.empty()) check_output(arguments.report, inputs);
     check_outputs_differ({{"--output", arguments.output}, {"--report", arguments.report}});
     check_ending("--report", arguments.report, ".html");

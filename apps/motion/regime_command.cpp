@@ -72,7 +72,9 @@ Json shares_json(const motion::SharesAt& at) {
 }
 
 int run_regime(const RegimeArguments& arguments) {
-  if (!arguments.output.empty()) check_text_output(arguments.output, {arguments.model, arguments.sweep});
+  if (!arguments.output.empty())
+    check_text_output(arguments.output, {arguments.model, arguments.sweep},
+                      arguments.json ? ".json" : ".txt");
   const models::ParametricModel body = body_of(arguments.model, arguments.set);
   const motion::FallNumbers numbers = motion::fall_numbers(body.model(), body.parameters({}));
   const motion::RegimeAnswer answer = motion::regime(numbers.Re, numbers.I_disc);

@@ -60,10 +60,13 @@ void check_outputs(const SynthesizeArguments& arguments, const std::vector<std::
                                                                     {"--report", arguments.report}};
   for (const auto& [option, path] : written) {
     if (path.empty()) continue;
-    const auto check = option == "--course" ? check_file_output
-                       : option == "--csv"  ? check_text_output
-                                            : check_output;
-    check(path, inputs);
+    if (option == "--course") {
+      check_file_output(path, inputs);
+    } else if (option == "--csv") {
+      check_text_output(path, inputs, ".csv");
+    } else {
+      check_output(path, inputs);
+    }
   }
   check_outputs_differ(written);
   check_ending("--picture", arguments.picture, ".svg");

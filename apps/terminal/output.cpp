@@ -1,7 +1,6 @@
 #include "terminal/output.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <span>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -21,6 +19,7 @@
 #include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/build/effort.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
 #include "terminal/terminal.h"
@@ -54,41 +53,26 @@ void check_output(const std::string& path, const std::vector<std::string>& input
   io::require_writable(path);
 }
 
-namespace {
-
-constexpr std::array<std::string_view, 2> kOfHdf5 = {".h5", ".hdf5"};
-constexpr std::array<std::string_view, 7> kOfText = {".csv",  ".tsv",  ".txt", ".json",
-                                                     ".toml", ".yaml", ".yml"};
-/// Of pictures, pages, scenes, and files of other programs.
-constexpr std::array<std::string_view, 9> kOfOthers = {".png", ".svg", ".html", ".glb", ".usda",
-                                                       ".vtu", ".pvd", ".xdmf", ".flat"};
-
-bool has_ending(const std::string& path, std::span<const std::string_view> endings) {
-  return std::ranges::count(endings, ending_of(path)) > 0;
-}
-
-}  // namespace
-
 void check_file_output(const std::string& path, const std::vector<std::string>& inputs) {
   if (path == "-")
     throw ArgumentError("the output is \"-\", but HDF5 goes to no stream; the name of a file was expected");
   check_output(path, inputs);
-  if (has_ending(path, kOfText) || has_ending(path, kOfOthers))
-    throw ArgumentError(
-        fmt::format("the output is \"{}\", but HDF5 is written; a name that ends in .h5 was expected", path));
+  io::require_name_of_format(path, ".h5");
   const io::PendingFile probe(path);
 }
 
-void check_text_output(const std::string& path, const std::vector<std::string>& inputs) {
+void check_text_output(const std::string& path, const std::vector<std::string>& inputs,
+                       std::string_view ending) {
   check_output(path, inputs);
-  if (has_ending(path, kOfHdf5) || has_ending(path, kOfOthers))
-    throw ArgumentError(fmt::format(
-        "the output is \"{}\", but text is written; a name with another ending than {} was expected", path,
-        ending_of(path)));
+  io::require_name_of_format(path, ending);
 }
 
-void check_text_or_scene_output(const std::string& path, const std::vector<std::string>& inputs) {
-  (io::is_scene_name(path) ? check_output : check_text_output)(path, inputs);
+void check_text_or_scene_output(const std::string& path, const std::vector<std::string>& inputs,
+                                std::string_view ending) {
+  check_output(path, inputs);
+  if (io::is_scene_name(path)) return;
+  io::check_scene_name(path);
+  io::require_name_of_format(path, ending);
 }
 
 namespace {
@@ -218,7 +202,9 @@ void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string
   if (!book.certificate()) {
     warn(fmt::format("{} has no certificate", path));
   } else if (!book.certificate()->met) {
-    warn(fmt::format("{} missed its tolerance: {}", path, miss_of(book)));
+    const bool unfinished = codebooks::is_only_unfinished(book.build(), *book.certificate());
+    warn(fmt::format("{} {}: {}", path, unfinished ? "did not converge" : "missed its tolerance",
+                     miss_of(book)));
   }
 }
 
@@ -236,7 +222,7 @@ bool keep_numbers(const std::string& name, Eigen::Ref<Eigen::VectorXd, 0, Eigen:
 
 Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   Json object = {{"met", c.met},
-                 {"verdict", codebooks::verdict(c)},
+                 {"verdict", codebooks::verdict(book.build(), c)},
                  {"tolerance", c.tolerance},
                  {"max_error", c.max_error},
                  {"points", c.points},
@@ -280,17 +266,41 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
 
 namespace {
 
-/// What stands beside the points of a certificate: at each of them, all of these.
+/// A course or a series: nothing was drawn from a box, and nothing integrated.
+bool is_of_time_alone(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  return book.has_time() && book.coordinates().size() == 1 && c.points == 1;
+}
+
+/// At how many points, and at all of what at each of them.
 std::string spread_of(const codebooks::Certificate& c, const codebooks::Codebook& book) {
-  std::string text = book.has_time() ? fmt::format(" x {} times", c.times) : std::string();
+  if (is_of_time_alone(c, book)) return fmt::format("{} times", c.times);
+  std::string text = fmt::format("{} points", c.points);
+  if (book.has_time()) text += fmt::format(" x {} times", c.times);
   if (c.places > 0) text += fmt::format(" x {} places", c.places);
   return text;
 }
 
 /// How tight what a certificate compares with is, where that has a tolerance.
 std::string tolerance_of(const codebooks::Certificate& c, const codebooks::Codebook& book) {
-  const bool has_none = book.is_of_command() || (c.places > 0 && c.integrator_tolerance == 0.0);
+  const bool has_none = book.is_of_command() || c.integrator_tolerance == 0.0;
   return has_none ? std::string() : fmt::format(", relative tolerance {:.0e}", c.integrator_tolerance);
+}
+
+/// Of a share, to two digits and never in powers of ten.
+std::string percent_of(double share) {
+  const std::string two_digits = fmt::format("{:.2g}", 100.0 * share);
+  std::string text = fmt::format("{:.10f}", std::strtod(two_digits.c_str(), nullptr));
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+/// Of what was compared with: without a seed where nothing was drawn.
+std::string reference_of(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  constexpr std::string_view kNone = "none: ";
+  if (c.integrator.starts_with(kNone)) return c.integrator.substr(kNone.size());
+  return fmt::format("against {}{}{}", c.integrator, tolerance_of(c, book),
+                     is_of_time_alone(c, book) ? std::string() : fmt::format("; seed {}", c.seed));
 }
 
 /// A number, or "-" where there is none.
@@ -301,24 +311,28 @@ std::string shown(double value, const char* format, const std::string& suffix = 
 }  // namespace
 
 std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
-  std::string text = fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points{}\n",
-                                 c.met ? codebooks::verdict(c) : "MISSED", shown(c.max_error, "{:.3g}"),
-                                 c.tolerance, c.points, spread_of(c, book));
+  const bool unfinished = codebooks::is_only_unfinished(book.build(), c);
+  std::string verdict = unfinished ? "NOT CONVERGED" : "MISSED";
+  if (c.met) verdict = is_of_time_alone(c, book) ? "met" : codebooks::verdict(book.build(), c);
+  std::string text = fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {}\n", verdict,
+                                 shown(c.max_error, "{:.3g}"), c.tolerance, spread_of(c, book));
+  if (unfinished)
+    text += fmt::format("  no point errs by more than was asked, but the builder ended with \"{}\"\n",
+                        to_string(book.build().status));
   if (c.failed_points > 0) {
     text += fmt::format("  {} points {}{}{}\n", c.failed_points,
                         book.is_of_command() ? "have no answer" : "could not be integrated",
                         c.failure.empty() ? "" : ", the first with: ", c.failure);
   }
   if (c.wrong_points) {
-    text +=
-        fmt::format("  with 95 % confidence at most {:.2g} % of the box errs by more: {} of {} points do\n",
-                    100.0 * codebooks::share_above(*c.wrong_points, c.points, c.refuted_before),
-                    *c.wrong_points == 0 ? "none" : std::to_string(*c.wrong_points), c.points);
+    text += fmt::format("  with 95 % confidence at most {} % of the box errs by more: {} of {} points do\n",
+                        percent_of(codebooks::share_above(*c.wrong_points, c.points, c.refuted_before)),
+                        *c.wrong_points == 0 ? "none" : std::to_string(*c.wrong_points), c.points);
   }
   if (c.climbed_points > 0)
     text += fmt::format("  {} climbs went from the worst points to what is largest around them\n",
                         c.climbed_points);
-  text += fmt::format("  against {}{}; seed {}\n", c.integrator, tolerance_of(c, book), c.seed);
+  text += fmt::format("  {}\n", reference_of(c, book));
   text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", "output", "max", "95 %", "mean",
                       "rms", "max in SI", "worst at");
   for (const codebooks::OutputError& o : c.outputs) {

@@ -29,10 +29,13 @@ void check_output(const std::string& path, const std::vector<std::string>& input
 /// @throws ArgumentError for a name with the ending of another format, too: `fall.csv` must not hold a codebook
 void check_file_output(const std::string& path, const std::vector<std::string>& inputs);
 /// The same of a table, JSON or another text.
-/// @throws ArgumentError for a name with the ending of what is no text, too: `fall.h5` must not hold a table
-void check_text_output(const std::string& path, const std::vector<std::string>& inputs);
+/// @param ending of its format: .csv, .json, .toml, or .txt for text to read
+/// @throws ArgumentError for a name with the ending of another format, too: `fit.toml` must not hold JSON
+void check_text_output(const std::string& path, const std::vector<std::string>& inputs,
+                       std::string_view ending);
 /// The same where a motion may be written, too (.glb, .usda).
-void check_text_or_scene_output(const std::string& path, const std::vector<std::string>& inputs);
+void check_text_or_scene_output(const std::string& path, const std::vector<std::string>& inputs,
+                                std::string_view ending);
 /// Options that name files to write, with the names; those without one are not asked for.
 /// @throws ArgumentError where two name the same file, also through links.
 void check_outputs_differ(const std::vector<std::pair<std::string, std::string>>& written);

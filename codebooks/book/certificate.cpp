@@ -21,10 +21,4 @@ double share_above(int wrong, int points, int refuted_before) {
                                 1.0 - std::ldexp(kChanceOfError, -refuted_before));
 }
 
-std::string verdict(const Certificate& certificate) {
-  if (!certificate.met) return "missed";
-  if (certificate.points >= kCertificatePoints) return "met";
-  return fmt::format("met at {} points", certificate.points);
-}
-
 }  // namespace samara::codebooks

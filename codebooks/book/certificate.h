@@ -78,7 +78,4 @@ struct Certificate {
 /// @throws ArgumentError unless 0 <= wrong <= points, points > 0 and refuted_before >= 0
 double share_above(int wrong, int points, int refuted_before = 0);
 
-/// "met"; "met at 300 points", where these are fewer than kCertificatePoints; or "missed".
-std::string verdict(const Certificate& certificate);
-
 }  // namespace samara::codebooks

@@ -20,6 +20,7 @@
 #include "samara/codebooks/build/pgd_builder.h"
 #include "samara/codebooks/build/sampling_builder.h"
 #include "samara/codebooks/build/stepped_builder.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/fields/ready_field.h"
@@ -50,7 +51,7 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
   }
   if (certificate.met) {
     return fmt::format("certified: {}largest error {:.3g} <= {:.3g} at {} points",
-                       certificate.points < kCertificatePoints ? verdict(certificate) + ", " : "",
+                       certificate.points < kCertificatePoints ? verdict(record, certificate) + ", " : "",
                        certificate.max_error, certificate.tolerance, certificate.points);
   }
   if (certificate.failed_points > 0) {
@@ -63,7 +64,9 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
   const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
                                         certificate.max_error, certificate.points, certificate.tolerance);
   if (record.status != Termination::converged)
-    return fmt::format("the build missed its tolerance: {}; {}", record.message, error);
+    return fmt::format("the build {}: {}; {}",
+                       is_only_unfinished(record, certificate) ? "did not converge" : "missed its tolerance",
+                       record.message, error);
   return fmt::format("the build missed its tolerance: {}", error);
 }
 
@@ -112,15 +115,6 @@ class Certifier {
   Measure measure_;
   int refuted_ = 0;
 };
-
-/// Whether the certificate decides if the plan is met. A march that went to the end of its time holds its guard
-/// points well below the tolerance: where it only missed that, the certificate, which has more points, is the
-/// judge. An error beyond the tolerance at a guard point is evidence that points of a certificate which miss it
-/// do not outvote. Sampling that did not converge may have seen a feature that 2000 points do not.
-bool is_left_to_certificate(const BuildRecord& record, const ErrorBudget& spent, double tolerance) {
-  if (record.status == Termination::converged) return true;
-  return record.builder == "pgd" && record.status == Termination::missed && spent.nonlinearity <= tolerance;
-}
 
 /// A plan on its way to a codebook.
 struct Build {

@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/attitude_length.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/figures/book_figures.h"
 #include "samara/models/bodies/body_pose.h"
@@ -102,7 +103,7 @@ Json certificate_json(const Codebook& book, const std::vector<int>& outputs) {
   if (!book.certificate()) return nullptr;
   const codebooks::Certificate& c = *book.certificate();
   Json json = {{"met", c.met},
-               {"verdict", codebooks::verdict(c)},
+               {"verdict", codebooks::verdict(book.build(), c)},
                {"tolerance", c.tolerance},
                {"max", c.max_error},
                {"points", c.points},

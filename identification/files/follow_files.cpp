@@ -122,6 +122,7 @@ FollowReport follow_files(const FollowRequest& request) {
   }
   const FollowOptions options = requested_options(*model, fitted, tracks.front(), request);
   report.motion = follow(model, with_noise(options, report.noise), tracks.front(), request.ahead);
+  add_follow_warnings(report);
   return report;
 }
 

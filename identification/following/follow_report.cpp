@@ -37,10 +37,80 @@ Eigen::Index last_followed(const FollowedMotion& motion) {
   return -1;
 }
 
+/// The last row in which anything was seen; -1 if there is none.
+Eigen::Index last_seen(const FollowedMotion& motion) {
+  for (Eigen::Index row = std::ssize(motion.frames); row-- > 0;) {
+    if (motion.frames[static_cast<std::size_t>(row)].status != FollowStatus::blind) return row;
+  }
+  return -1;
+}
+
+struct Innovations {
+  double squared = 0.0;  ///< of frames within the gate, as are the values
+  int values = 0;
+  int frames = 0;                                    ///< that were compared
+  int beyond = 0;                                    ///< frames beyond the gate
+  int runs = 0;                                      ///< rows of such frames
+  double ratio() const { return squared / values; }  ///< to what was expected
+};
+
+Innovations innovations_of(const FollowedMotion& motion) {
+  Innovations sum;
+  bool was_beyond = false;
+  for (const FollowedFrame& frame : motion.frames) {
+    if (std::isnan(frame.innovation_squared)) continue;
+    const bool is_beyond = frame.status == FollowStatus::outlier || frame.status == FollowStatus::lost;
+    ++sum.frames;
+    if (is_beyond) {
+      ++sum.beyond;
+      if (!was_beyond) ++sum.runs;
+    } else {
+      sum.squared += frame.innovation_squared;
+      sum.values += frame.values;
+    }
+    // The frame after a loss is compared with a start of its own.
+    was_beyond = frame.status == FollowStatus::outlier;
+  }
+  return sum;
+}
+
+/// Wrong frames of a right model, such as a marker that was mixed up, are fewer than a tenth, and one wrong state,
+/// such as an angle that nothing measures, makes one row of frames lie far off: those alone do not speak against the
+/// model. Fewer than ten frames tell too little.
+bool speak_against_model(const Innovations& innovations) {
+  constexpr int kFewest = 10;
+  constexpr double kMost = 0.1;
+  return innovations.frames >= kFewest && innovations.runs > 1 &&
+         innovations.beyond > kMost * innovations.frames;
+}
+
 }  // namespace
 
-bool has_followed(const FollowReport& report) {
-  return last_followed(report.motion) >= 0;
+bool is_followed_to_end(const FollowReport& report) {
+  const Eigen::Index row = last_followed(report.motion);
+  return row >= 0 && row >= last_seen(report.motion);
+}
+
+void add_follow_warnings(FollowReport& report) {
+  const FollowedMotion& motion = report.motion;
+  const Eigen::Index row = last_followed(motion);
+  if (row < 0) {
+    report.warnings.add(WarningKind::captures, "no start was found: no frame was followed");
+  } else if (!is_followed_to_end(report)) {
+    report.warnings.add(
+        WarningKind::model,
+        fmt::format("the motion was lost after {:.6g} s, and not found again by the last "
+                    "frame, at {:.6g} s: the state is that of {:.6g} s",
+                    motion.times[row], motion.times[last_seen(motion)], motion.state_times[row]));
+  }
+  const Innovations innovations = innovations_of(motion);
+  if (speak_against_model(innovations)) {
+    report.warnings.add(
+        WarningKind::model,
+        fmt::format("{} of {} frames lie farther from the forecast than errors allow, where one in 10,000 "
+                    "was expected: the model does not move as the frames do, or the errors are too small",
+                    innovations.beyond, innovations.frames));
+  }
 }
 
 std::string follow_text(const FollowReport& report) {
@@ -54,17 +124,11 @@ std::string follow_text(const FollowReport& report) {
   for (std::size_t k = 0; k < counts.size(); ++k) {
     if (counts[k] > 0) fmt::format_to(out, ", {} {}", counts[k], to_string(static_cast<FollowStatus>(k)));
   }
-  double innovations = 0.0;
-  int compared = 0;
-  for (const FollowedFrame& frame : motion.frames) {
-    if (std::isnan(frame.innovation_squared) || frame.status == FollowStatus::outlier) continue;
-    innovations += frame.innovation_squared;
-    compared += frame.values;
-  }
+  const Innovations innovations = innovations_of(motion);
   text += "\n";
-  if (compared > 0) {
+  if (innovations.values > 0) {
     fmt::format_to(out, "innovations squared are {:.3g} times what was expected of {} values\n",
-                   innovations / compared, compared);
+                   innovations.ratio(), innovations.values);
   }
   fmt::format_to(out,
                  "noise of frames times {:.3g}, of velocities {:.3g} m/s and of rates {:.3g} rad/s per root "

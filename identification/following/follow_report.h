@@ -18,8 +18,12 @@ struct FollowReport {
   Warnings warnings = {};
 };
 
-/// Whether any frame was followed: without a start there is nothing but what the smoother made of it.
-bool has_followed(const FollowReport& report);
+/// Whether the last frame that saw anything has a state: a motion without a start has none at all, and one that was
+/// lost and not found again ends earlier.
+bool is_followed_to_end(const FollowReport& report);
+
+/// Warns of a motion that was not followed to its end, and of many frames far from what was expected.
+void add_follow_warnings(FollowReport& report);
 
 /// How it went, the last state and what is forecast from there.
 std::string follow_text(const FollowReport& report);

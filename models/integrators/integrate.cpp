@@ -14,7 +14,8 @@ void advance(CvodesSolver& solver, double& t, double target, double end, Traject
       result.status = IntegrateStatus::too_many_steps;
       result.message = solver.options().stiff
                            ? "that is all the steps allowed"
-                           : "that is all the steps allowed; stiff equations need fewer by BDF";
+                           : "that is all the steps allowed; a shorter time takes fewer, and so does BDF, of "
+                             "single trajectories, where equations are stiff";
       return;
     }
     result.status = solver.step(t, end, result.message);

@@ -68,8 +68,10 @@ class Motions:
     def save(self, path: Path) -> None:
         """As HDF5, the format of ``samara database``.
 
+        :raises ArgumentError: for a name with the ending of another format, such as ``.csv``
         :raises InputError: (an ``OSError``) where it cannot be written
         """
+        _core.require_name_of_format(os.fspath(path), ".h5")
         with writing():
             self._core.save(os.fspath(path))
 
@@ -101,13 +103,14 @@ class Bodies:
     ) -> None:
         if choice not in ("chain", "graph"):
             raise ArgumentError(f'choice is {choice!r}, expected "chain" or "graph"')
+        self._ground = None if ground is None else one_si(ground, "m", "ground")
         self._core = _core.Bodies.of(
             motions._core,
             counted(count, "count", least=1),
             choice == "graph",
             0.0 if step is None else one_si(step, "s", "step", above=0),
             -1.0 if ramp is None else one_si(ramp, "s", "ramp", least=0),
-            None if ground is None else one_si(ground, "m", "ground"),
+            self._ground,
             counted(tries, "tries"),
             None if wind is None else real_array(wind, "wind"),
             counted(seed, "seed"),
@@ -116,10 +119,16 @@ class Bodies:
 
     def release(self, places: ArrayLike, yaw: ArrayLike = 0.0, bodies: Optional[ArrayLike] = None) -> None:
         """Lets bodies go, moving as if they had fallen for a while: all, or those of these numbers or of a mask (count,).
-        ``places`` (3,) or (bodies, 3), m, z up; ``yaw`` about the vertical, rad."""
+        ``places`` (3,) or (bodies, 3), m, z up, above the ground; ``yaw`` about the vertical, rad."""
         numbers = np.arange(self.count) if bodies is None else _chosen(bodies, self.count)
         where = _for_each(finite(real_array(places, "places"), "places"), len(numbers), (3,), "places")
         turned = _for_each(finite(real_array(yaw, "yaw"), "yaw"), len(numbers), (), "yaw")
+        # Where one is refused for the ground, none was let go.
+        if self._ground is not None and np.min(where[:, 2], initial=np.inf) <= self._ground:
+            low = int(np.argmin(where[:, 2]))
+            raise ArgumentError(
+                f"body {numbers[low]} starts at a height of {where[low, 2]:g} m, expected above the ground at {self._ground:g} m"
+            )
         for number, place, angle in zip(numbers, where, turned):
             self._core.release(int(number), place, float(angle))
 

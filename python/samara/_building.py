@@ -17,7 +17,7 @@ from ._codebook import Codebook
 from ._errors import ArgumentError, in_words_of_python
 from ._identity import identity
 from ._models import Model
-from ._units import Quantity, as_mapping, by_name, check_names, counted, names_in, one_si, truth, whole
+from ._units import Quantity, as_mapping, by_name, check_names, counted, file_in, names_in, one_si, truth, whole
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -109,17 +109,17 @@ def build(
     else:
         raise ArgumentError(f"the plan is of the type {type(plan).__name__}, expected a file, or a dictionary with the same keys")
     certificate_points = whole(certificate_points, "certificate_points", least=1)
-    resume = truth(resume, "resume")
+    resume, kept = truth(resume, "resume"), file_in(checkpoint, "checkpoint")
     if definition is not None:
         # Behind the plan: errors name its lines.
         comment, resume = _fingerprint(
-            definition.rhs, checkpoint, resume, definition.jacobian, repr(definition.states), repr(definition.parameters)
+            definition.rhs, kept, resume, definition.jacobian, repr(definition.states), repr(definition.parameters)
         )
         text += comment
     reporter = Reported(progress)
     with reporter as report:
         book, _, message = _core.build(
-            path, text, definition, report, reporter.warn, os.fspath(checkpoint or ""), resume, certificate_points
+            path, text, definition, report, reporter.warn, kept, resume, certificate_points
         )
     return Codebook(book, message)
 
@@ -183,7 +183,7 @@ def separate(
     if title is not None and not isinstance(title, str):
         raise ArgumentError(f"title is {title!r}, expected a text")
     certificate_points = whole(certificate_points, "certificate_points", least=1)
-    resume = truth(resume, "resume")
+    resume, kept = truth(resume, "resume"), file_in(checkpoint, "checkpoint")
     if not callable(function):
         raise ArgumentError(f"the function is of the type {type(function).__name__}, expected one of an array of points")
     if pool is not None and not callable(getattr(pool, "map", None)):
@@ -197,11 +197,11 @@ def separate(
         "builder": {"kind": "sampling", "seed": counted(seed, "seed", 2**63 - 1), "max_calls": calls_at_most},
     }
     calls = _Calls(function, len(box), len(of), truth(vectorised, "vectorised"), pool, end is not None)
-    comment, resume = _fingerprint(function, checkpoint, resume)
+    comment, resume = _fingerprint(function, kept, resume)
     reporter = Reported(progress)
     with reporter as report:
         book, _, message = _core.separate(
-            calls, _toml.dumps(plan) + comment, report, reporter.warn, os.fspath(checkpoint or ""), resume, certificate_points
+            calls, _toml.dumps(plan) + comment, report, reporter.warn, kept, resume, certificate_points
         )
     return Codebook(book, message)
 
@@ -219,7 +219,7 @@ def _ends(bounds: Any, unit: str, name: str) -> list[float]:
     return [lower, upper]
 
 
-def _fingerprint(function: Any, checkpoint: Optional[Path], resume: bool, *more: Any) -> tuple[str, bool]:
+def _fingerprint(function: Any, checkpoint: str, resume: bool, *more: Any) -> tuple[str, bool]:
     """A comment at the end of a plan, so that a checkpoint of another function is not taken up, and whether one is."""
     comment = f"\n# {_name_of(function)}"
     if not checkpoint:
@@ -227,7 +227,7 @@ def _fingerprint(function: Any, checkpoint: Optional[Path], resume: bool, *more:
     digest, why = identity(function, *more)
     if why and resume and os.path.exists(checkpoint):
         warnings.warn(
-            f"{os.fspath(checkpoint)} is not taken up: whether it is of the same function cannot be told, for {why}", stacklevel=3
+            f"{checkpoint} is not taken up: whether it is of the same function cannot be told, for {why}", stacklevel=3
         )
     return f"{comment}, {digest}\n", resume and not why
 

@@ -53,8 +53,10 @@ class Codebook:
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
         """Writes the file, whole or not at all.
 
+        :raises ArgumentError: for a name with the ending of another format, such as ``.csv``
         :raises InputError: (an ``OSError``) where it cannot be written
         """
+        _core.require_name_of_format(os.fspath(path), ".h5")
         with writing():
             self._book.save(os.fspath(path))
 

@@ -16,7 +16,7 @@ from ._building import Path, Progress, Reported
 from ._errors import ArgumentError, UnknownNameError
 from ._labels import optional
 from ._models import AnyModel, _info, core_model
-from ._units import Quantity, as_mapping, check_names, counted, finite, names_in, one_si, real_array, to_si, truth, whole
+from ._units import Quantity, as_mapping, check_names, counted, file_in, finite, names_in, one_si, real_array, to_si, truth, whole
 
 _Array = NDArray[np.float64]
 
@@ -265,8 +265,8 @@ def realise(
         "rotation": truth(rotation, "rotation"),
     }
     told_air = _air(air, radius)
-    options["checkpoint"] = "" if checkpoint is None else os.fspath(checkpoint)
-    options["identity"] = "" if checkpoint is None else _identity(air, {**told_air, **options})
+    options["checkpoint"] = file_in(checkpoint, "checkpoint")
+    options["identity"] = _identity(air, {**told_air, **options}) if options["checkpoint"] else ""
     reporter = Reported(progress)
     if isinstance(air, Wake) and air.flow.summary["status"] == "max_time":
         reporter.warn(f"the flow was not finished: {air.flow.summary['message']}")

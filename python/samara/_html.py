@@ -67,8 +67,8 @@ def codebook(book: "Codebook", outlines: list[dict[str, Any]]) -> str:
             ("output", "unit", "largest error", "95 %", "largest, SI"),
             ((o.name, o.unit, f"{o.max:.2e}", f"{o.p95:.2e}", f"{o.max_si:.2e}") for o in certificate.outputs.values()),
         )
-        said = "met" if certificate.met else "MISSED"
-        verdict = flag(certificate.met, f"certificate {certificate.verdict if certificate.met else said}") + html.escape(
+        said = certificate.verdict if certificate.met else certificate.verdict.upper()
+        verdict = flag(certificate.met, f"certificate {said}") + html.escape(
             f": largest error {certificate.max_error:.3g}, asked for {certificate.tolerance:.3g}, "
             f"at {certificate.points} points"
             + (f", of which {certificate.failed_points} failed," if certificate.failed_points else "")

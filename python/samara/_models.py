@@ -83,7 +83,8 @@ class Model:
     Derivatives come from complex steps, exact to rounding, so that ``rhs`` must bear complex numbers: ``np.sqrt(v * v)``
     in place of ``np.abs(v)``, which forgets their derivative. Else ``jacobian(t, x, p)`` gives them: by states
     (states, states) and by parameters (states, parameters), each entry a number or, where ``x`` has many points, a row of
-    them. Both are held against differences now and then, and what does not agree is refused.
+    them. Where derivatives are taken, both are held against differences now and then, and what does not agree is refused:
+    sensitivities and fits take them, most builds do not.
 
     Where single trajectories are integrated, each step calls Python: some ten microseconds. Builders ask for many points
     in one call.

@@ -16,7 +16,7 @@ from ._errors import ArgumentError, writing
 from ._labels import optional
 from ._motion import FEATURES
 from ._pattern_tools import Clusters, gaussian_mixture, k_means
-from ._units import by_name, check_names, counted, names_in, real_array, stacked, truth, whole
+from ._units import by_name, check_names, counted, file_in, names_in, real_array, stacked, truth, whole
 
 
 class Sweep:
@@ -61,8 +61,10 @@ class Sweep:
     def save(self, path: Path) -> None:
         """As HDF5, the format of ``samara sweep``.
 
+        :raises ArgumentError: for a name with the ending of another format, such as ``.csv``
         :raises InputError: (an ``OSError``) where it cannot be written
         """
+        _core.require_name_of_format(os.fspath(path), ".h5")
         with writing():
             self._core.save(os.fspath(path))
 
@@ -193,6 +195,6 @@ def sweep(
     reporter = Reported(progress)
     with reporter as report:
         core, complete, message = _core.run_sweep(
-            path, text, report, reporter.warn, os.fspath(checkpoint or ""), whole(threads, "threads") or 0
+            path, text, report, reporter.warn, file_in(checkpoint, "checkpoint"), whole(threads, "threads") or 0
         )
     return Sweep(core, complete, message)

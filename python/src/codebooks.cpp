@@ -21,6 +21,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/book_slice.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
@@ -181,12 +182,12 @@ py::dict as_dict(const codebooks::OutputError& o) {
 }
 
 /// As `samara info --json` has it.
-py::object as_dict(const std::optional<codebooks::Certificate>& certificate) {
-  if (!certificate) return py::none();
-  const codebooks::Certificate& c = *certificate;
+py::object certificate_dict(const codebooks::Codebook& book) {
+  if (!book.certificate()) return py::none();
+  const codebooks::Certificate& c = *book.certificate();
   py::list outputs;
   for (const codebooks::OutputError& o : c.outputs) outputs.append(as_dict(o));
-  py::dict result(py::arg("met") = c.met, py::arg("verdict") = codebooks::verdict(c),
+  py::dict result(py::arg("met") = c.met, py::arg("verdict") = codebooks::verdict(book.build(), c),
                   py::arg("tolerance") = c.tolerance, py::arg("max_error") = c.max_error,
                   py::arg("points") = c.points, py::arg("times") = c.times,
                   py::arg("failed_points") = c.failed_points, py::arg("wrong_points") = c.wrong_points,
@@ -263,7 +264,7 @@ py::dict describe(const Book& handle) {
           py::dict(py::arg("generator") = provenance.generator, py::arg("created") = provenance.created,
                    py::arg("host") = provenance.host, py::arg("build_seconds") = provenance.build_seconds,
                    py::arg("plan") = provenance.plan),
-      py::arg("certificate") = as_dict(book.certificate()));
+      py::arg("certificate") = certificate_dict(book));
 }
 
 /// The factors, or the cores, of a group, as views that keep the codebook.

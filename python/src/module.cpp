@@ -66,6 +66,8 @@ PYBIND11_MODULE(_core, module) {
   py::register_local_exception_translator(translate);
   module.attr("__version__") = samara::version();
   module.def("write_text", &samara::io::write_text_atomically, py::arg("path"), py::arg("text"));
+  module.def("require_name_of_format", &samara::io::require_name_of_format, py::arg("path"),
+             py::arg("ending"));
   module.def("si", &si, py::arg("text"), py::arg("unit"));
   module.def("difference_si", &difference_si, py::arg("text"), py::arg("unit"));
   module.def("si_unit", &si_unit, py::arg("unit"));

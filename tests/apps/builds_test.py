@@ -31,6 +31,36 @@ class Builds(Case):
         self.assertTrue(run("info", path).stdout.startswith("MISSED ITS TOLERANCE"))
         self.assertIn("missed its tolerance", run("stats", path).stderr)
         self.assertEqual(run("validate", path).returncode, 4)
+        self.assertIn("at most 100 % of the box errs by more", run("validate", path, "--points", "1").stdout)
+
+    def test_a_builder_that_did_not_converge_is_not_said_to_have_missed_what_no_point_misses(self):
+        write("relay.toml", 'name = "relay"\n[states]\nx = { initial = 1 }\nv = {}\n[parameters]\nk = {}\nmu = {}\n'
+                            '[rates]\nx = "v"\nv = "-k*x - mu*sign(v)"\n')
+        plan = write("relay_plan.toml", 'model = "relay.toml"\n[box]\nk = [1, 4]\nmu = [0, 0.2]\n[time]\nend = 3\n'
+                                        '[tolerance]\nrelative = 1e-2\n[builder]\nkind = "sampling"\nmax_calls = 250\n')
+        path = FOLDER / "relay.h5"
+        ended = 'no point errs by more than was asked, but the builder ended with "max_calls"'
+        built = run("build", plan, "-o", path)
+        for result in (built, run("validate", path, "--seed", "7")):
+            self.assertEqual(result.returncode, 4, result.stderr)
+            self.assertTrue(result.stdout.startswith("certificate: NOT CONVERGED"), result.stdout)
+            self.assertIn(ended, result.stdout)
+        self.assertIn("the build did not converge", built.stderr)
+        info = run("info", path).stdout
+        self.assertTrue(info.startswith("NOT CONVERGED"), info)
+        self.assertIn(ended, info)
+        self.assertIn("did not converge", run("stats", path).stderr)
+
+    def test_a_build_whose_model_gives_no_result_leaves_nothing_and_the_mended_plan_is_built(self):
+        model = 'name = "drain"\n[states]\nh = { initial = 1 }\n[parameters]\nk = {}\n[rates]\nh = "-k*sqrt(h)"\n'
+        write("drain.toml", model)
+        plan = write("drained.toml", 'model = "drain.toml"\n[box]\nk = [0.5, 1.5]\n[time]\nend = 2\n[tolerance]\nrelative = 1e-3\n')
+        path = FOLDER / "drained.h5"
+        self.check_error(run("build", plan, "-o", path), 4, "no trajectory at k = ")
+        self.assertFalse(pathlib.Path(f"{path}.checkpoint").exists())
+        write("drain.toml", model.replace("sqrt(h)", "sqrt(max(h, 0))"))
+        self.assertIn(run("build", plan, "-o", path).returncode, (0, 4))
+        self.assertTrue(path.exists())
 
     def check_killed_builds_resume(self, plan, name):
         whole, killed = FOLDER / f"whole_{name}.h5", FOLDER / f"killed_{name}.h5"

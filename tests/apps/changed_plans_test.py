@@ -97,21 +97,33 @@ class ChangedPlans(Case):
         for name in ("plain_line", "line.hdf5", "LINE.H5", "line_0.2", "line.book"):
             self.assertEqual(run("build", plan, "-o", FOLDER / name).returncode, 0)
 
-    def test_text_is_not_written_by_the_name_of_a_codebook_or_a_picture(self):
+    def test_text_is_not_written_by_a_name_of_another_format(self):
         line, card = book("line", LINE_PLAN), ["--set", "semi_chord=5 mm", "--set", "semi_thickness=0.57 mm", "--set", "density=11340"]
         capture = write("named.csv", "t[s],x[m]\n0,0\n1,1\n")
-        calls = [["query", line, "--set", "k=4"], ["simulate", "constant_rate", "--set", "k=2"], ["info", line], ["validate", line], ["stats", line],
-                 ["plan", "vertical_fall"], ["models", "vertical_fall"], ["regime", "falling_plate", *card], ["fit", "vertical_fall", capture],
-                 ["patterns", capture], ["wind", capture, "--at", "0, 0, 2 m"], ["body", "disc", "--size", "1 cm", "1 mm", "--density", "2700", "--fluid", "1000"],
-                 ["design", line, "--fit", capture], ["compare", capture, "--model", line, "--left-out", capture, "--by", "drop"], ["follow", line, capture, capture],
-                 ["ghost", "falling_plate", capture]]
-        calls = [[*call, "-o"] for call in calls] + [["synthesize", capture, "-o", FOLDER / "named.glb", "--csv"]]
-        endings = [".h5", ".hdf5", ".png", ".svg", ".html", ".glb", ".H5", ".flat", ".vtu"]
-        for k, call in enumerate(calls):
-            ending = endings[k % len(endings)]
-            named = FOLDER / f"of_text{ending}"
-            self.check_error(run(*call, named), 2, named.name, f"but text is written; a name with another ending than {ending.lower()} was expected")
-            self.assertFalse(named.exists())
+        answers = [["query", line, "--set", "k=4"], ["simulate", "constant_rate", "--set", "k=2"], ["stats", line], ["info", line], ["validate", line],
+                   ["models", "vertical_fall"], ["regime", "falling_plate", *card], ["patterns", capture],
+                   ["body", "disc", "--size", "1 cm", "1 mm", "--density", "2700", "--fluid", "1000"]]
+        calls = {"JSON": [["fit", "vertical_fall", capture], ["design", line, "--fit", capture], *([*call, "--json"] for call in answers),
+                          ["compare", capture, "--model", line, "--left-out", capture, "--by", "drop"]],
+                 "CSV": [*answers[:3], ["wind", capture, "--at", "0, 0, 2 m"], ["follow", line, capture, capture], ["ghost", "falling_plate", capture],
+                         ["patterns", line, "--draw", "tumbling"]],
+                 "TOML": [["plan", "vertical_fall"], ["info", line, "--plan"], [*answers[-1], "--toml"]],
+                 "text": answers[3:]}
+        calls = {kind: [[*call, "-o"] for call in some] for kind, some in calls.items()}
+        calls["CSV"].append(["synthesize", capture, "-o", FOLDER / "named.glb", "--csv"])
+        own = {"JSON": ".json", "CSV": ".csv", "TOML": ".toml", "text": ".txt"}
+        others = [".json", ".csv", ".toml", ".h5", ".tsv", ".png", ".svg", ".html", ".hdf5", ".obj", ".stl", ".ply", ".H5", ".flat", ".vtu"]
+        for kind, some in calls.items():
+            foreign = [ending for ending in others if ending != own[kind]]
+            for k, call in enumerate(some):
+                for ending in {foreign[0], foreign[1], foreign[k % len(foreign)]}:
+                    named = FOLDER / f"of_text{ending}"
+                    self.check_error(run(*call, named), 2, named.name, f"but {kind} is written; a name that ends in {own[kind]} was expected")
+                    self.assertFalse(named.exists())
+        for call, names in ((["query", line, "--set", "k=4"], ["a.csv", "a.CSV", "a.txt", "a.dat", "a", "a_0.2"]), (["plan", "vertical_fall"], ["b.toml", "b.txt", "b.plan"]),
+                            (["query", line, "--set", "k=4", "--json"], ["c.json", "c.txt", "c"]), (["info", line, "--plan"], ["d.toml"]), (["info", line], ["e.txt", "e.md"])):
+            for name in names:
+                self.assertEqual(run(*call, "-o", FOLDER / name).returncode, 0)
 
     def test_text_in_a_file_does_not_depend_on_the_terminal(self):
         line = book("line", LINE_PLAN)

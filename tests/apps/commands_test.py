@@ -237,6 +237,11 @@ class FailingCommands(Case):
         result = run("build", program, "-o", FOLDER / "few.h5")
         self.check_error(result, 4, "ended before it had a result", "3 allowed")
 
+    def test_calls_that_led_to_no_result_are_kept_and_it_is_said_where(self):
+        result = built("broken", "    if n > 0 or x > 1.5: sys.exit(3)\n" + GOOD, command="batch = 1")
+        self.check_error(result, 4, "ended before it had a result", "are kept in", "broken.h5.checkpoint", "a changed plan needs --fresh")
+        self.assertTrue((FOLDER / "broken.h5.checkpoint").exists())
+
 
 class BadCommands(Case):
     def refuse(self, change, *parts):

@@ -93,6 +93,22 @@ class Follows(Case):
         self.assertEqual(result.returncode, 4, result.stderr)
         self.assertIn("no start was found", result.stderr)
 
+    def test_a_motion_lost_before_its_last_frame_is_marked_as_missed(self):
+        jumping = self.fall("jumping.csv", 0.15, lambda k, x: x + (0.3 * (-1) ** k if k > 30 else 0.0))
+        result = run("follow", "vertical_fall", self.fitted(), jumping)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("the motion was lost after", " ".join(result.stderr.split()))
+        self.assertIn("at 0.4 s", result.stderr)
+
+    def test_many_frames_far_off_bring_a_warning_one_loss_that_was_found_again_does_not(self):
+        def sentences(name, change):
+            return " ".join(self.followed(self.fall(name, 0.15, change))["warnings"])
+
+        moved = sentences("moved.csv", lambda k, x: x + (0.3 if k > 20 else 0.0))
+        self.assertNotIn("lie farther", moved)
+        wild = sentences("wild.csv", lambda k, x: x + (0.05 if k > 10 and k % 5 == 0 else 0.0))
+        self.assertRegex(wild, r"\d+ of 33 frames lie farther from the forecast than errors allow")
+
     def test_what_cannot_be_followed_is_refused_in_a_sentence(self):
         track, fit = self.fall("c.csv", 0.15), self.fitted()
         self.check_error(run("follow", "falling_plate", fit, track), 3, 'a fit of the model "vertical_fall"')

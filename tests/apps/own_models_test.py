@@ -39,6 +39,11 @@ class OwnModels(Case):
         row = run("simulate", path, "--until", "2", "--frames", "2").stdout.splitlines()[-1]
         self.assertAlmostEqual(float(row.split(",")[1]), 0.36787944, delta=1e-7)
 
+    def test_a_parameter_that_is_missing_is_explained_by_the_file_that_was_given(self):
+        path = write("lacking.toml", MODEL.replace(", default = 0.5", ""))
+        self.check_error(run("simulate", path, "--until", "1"), 2, "--set rate=.. 1/s", f"samara models {path} explains them")
+        self.assertIn("rate", run("models", path).stdout)
+
     def test_rows_that_are_empty_are_told_by_the_first_of_them(self):
         path = write("bursting.toml", MODEL.replace("-rate*x", "rate*x^2").replace('"1/s", default = 0.5', '"1/(m s)", default = 1'))
         result = run("simulate", path, "--until", "2", "--frames", "9")
@@ -185,7 +190,7 @@ v = "mu*w*(1 - x^2)*v - w^2*x"
         ask = ["simulate", path, "--until", "400", "--frames", "2"]
         failed = run(*ask)
         self.assertEqual(failed.returncode, 4)
-        self.assertIn("stiff equations need fewer by BDF", failed.stderr)
+        self.assertIn("BDF, of single trajectories, where equations are stiff", failed.stderr)
         done = run(*ask, "--integrator", "bdf")
         self.assertEqual(done.returncode, 0, done.stderr)
         # The slow branch: v = -x/(mu (x^2 - 1)) to order 1/mu^2, of which ln x - x^2/2 = t/mu + const is the integral.

@@ -56,6 +56,27 @@ step = 0.05
 keep = "trajectories"
 """
 
+STEADY = """model = "immersed_body"
+[fixed]
+a = 0.035
+b = 0.02
+c = 1e-4
+density = 400
+C_D0 = 0.05
+C_w = 2
+[axes]
+C_D90 = { from = 0.6, to = 2.7 }
+[sample]
+count = 2
+[releases]
+tilt = [0]
+axis = [0.6]
+[run]
+until = 2
+step = 1e-3
+settle = 0.5
+"""
+
 
 class Databases(Case):
     def test_a_database_is_a_file_that_others_read(self):
@@ -64,6 +85,8 @@ class Databases(Case):
         self.assertEqual(result.returncode, 0, result.stderr)
         said = json.loads(result.stdout)
         self.assertEqual(said["schema"], "samara-motions/1")
+        worth = said["chain"]["held_out"]
+        self.assertEqual([value is None for value in worth["chi_square"]], [freedom == 0 for freedom in worth["degrees_of_freedom"]])
         with h5py.File(path) as file:
             self.assertEqual(file.attrs["format"], b"samara-motions")
             start, end, runs = (file[f"segments/{name}"][:] for name in ("start", "end", "run"))
@@ -87,9 +110,21 @@ class Databases(Case):
             self.assertEqual((file["component"][:] == 0).sum(), said["kept"])
             self.assertEqual(file["chain/counts"].shape, (4 ** int(file["chain"].attrs["order"]), 4))
 
+    def test_of_few_runs_it_is_said_that_they_tell_nothing_of_a_chain(self):
+        few = swept("few", CHAOS.replace("count = 100", "count = 30"))
+        result = run("database", few, "-o", FOLDER / "few_motions.h5")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("run lengths too few to tell   two events on", result.stdout)
+        self.assertNotIn("nan", result.stdout)
+        said = json.loads(run("database", few, "-o", FOLDER / "few_motions.h5", "--json").stdout)
+        of_few = said["chain"]["held_out"]
+        self.assertEqual((of_few["chi_square"], of_few["degrees_of_freedom"], of_few["largest_95"]), ([None] * 4, [0] * 4, None))
+
     def test_databases_that_cannot_be_made_are_refused(self):
-        self.check_error(run("database", swept(), "-o", FOLDER / "no.h5"), 2,
-                         "the sweep changes inertia_ratio, which is no coefficient of falling_plate_nd")
+        self.check_error(run("database", swept(), "-o", FOLDER / "no.h5"), 3,
+                         "plates.h5: the sweep changes inertia_ratio, which is no coefficient of falling_plate_nd")
+        self.check_error(run("database", swept("steady", STEADY), "-o", FOLDER / "no.h5"), 3,
+                         "steady.h5: all falls of the sweep are steady: there are no events to cut them at")
         self.check_error(run("database", write("sweep_text.h5", "no HDF5"), "-o", FOLDER / "no.h5"), 3, "sweep_text.h5")
         self.check_error(run("database", swept("chaos", CHAOS), "-o", FOLDER / "chaos.h5"), 2, "chaos.h5")
         self.assertFalse((FOLDER / "no.h5").exists())

@@ -90,8 +90,13 @@ def plan(name, more="", text=PLAN):
 class Syntheses(Case):
     def test_a_drawn_sequence_is_told_in_the_answer_beside_what_came_of_it(self):
         motion = plan("drawn.toml", "[sequence]\nlength = 6\nseed = 3\n", PLAN.replace("height = 40", "height = 90"))
-        result = run("synthesize", motion, "-o", FOLDER / "drawn.csv", "--json")
+        result = run("synthesize", motion, "-o", FOLDER / "drawn.csv", "--course", FOLDER / "drawn.h5", "--json")
         self.assertIn(result.returncode, (0, 4), result.stderr)
+        # Of a course there is no date and no builder that took time.
+        shown = run("info", FOLDER / "drawn.h5").stdout
+        self.assertRegex(shown, r"certificate: met, largest error .* at \d+ times\n  a course that was planned, compared with itself\n")
+        self.assertRegex(shown, r"made by samara \S+\n$")
+        self.assertNotIn("0 marches", shown)
         answer = json.loads(result.stdout)
         self.assertEqual(self.check_schema(answer), "samara-motion")
         told = answer["sequence"]

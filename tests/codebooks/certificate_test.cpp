@@ -8,6 +8,7 @@
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
@@ -21,6 +22,10 @@ using Catch::Matchers::Contains;
 using Catch::Matchers::WithinRel;
 
 namespace {
+
+std::string verdict_of(const Codebook& book) {
+  return verdict(book.build(), *book.certificate());
+}
 
 Plan plan_of(const std::string& tail, int inputs = 2) {
   std::string names, box;
@@ -121,18 +126,29 @@ TEST_CASE("fewer points than usual are named with the verdict, in the file too")
   const TemporaryDirectory directory;
   const BuildResult few = build(plan_of("assurance = 0.99\n"), function_of(smooth));
   REQUIRE(few.met);
-  CHECK(verdict(*few.book.certificate()) == "met at 300 points");
+  CHECK(verdict_of(few.book) == "met at 300 points");
   CHECK_THAT(few.message, Contains("met at 300 points"));
   const BuildResult usual = build(plan_of(""), function_of(smooth));
   REQUIRE(usual.met);
-  CHECK(verdict(*usual.book.certificate()) == "met");
+  CHECK(verdict_of(usual.book) == "met");
   CHECK(usual.book.certificate()->wrong_points == 0);
   save(few.book, directory / "few.h5");
-  CHECK(verdict(*load(directory / "few.h5").certificate()) == "met at 300 points");
+  CHECK(verdict_of(load(directory / "few.h5")) == "met at 300 points");
   CHECK(load(directory / "few.h5").certificate()->wrong_points == 0);
   Certificate missed = *usual.book.certificate();
   missed.met = false;
-  CHECK(verdict(missed) == "missed");
+  BuildRecord record = usual.book.build();
+  CHECK(verdict(record, missed) == "missed");
+  record.status = samara::Termination::max_calls;
+  CHECK(verdict(record, missed) == "not converged");
+  missed.failed_points = 1;
+  CHECK(verdict(record, missed) == "missed");
+  // The builder's own points erred.
+  missed.failed_points = 0;
+  for (const samara::Termination ended : {samara::Termination::missed, samara::Termination::refuted}) {
+    record.status = ended;
+    CHECK(verdict(record, missed) == "missed");
+  }
 }
 
 TEST_CASE("a narrow peak is not called met by a build that has not seen it") {

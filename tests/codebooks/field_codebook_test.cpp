@@ -10,6 +10,7 @@
 #include "../../examples/linear_engine/heat.h"
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/certify/builder_end.h"
 #include "samara/codebooks/fields/direct_reference.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
@@ -175,7 +176,7 @@ TEST_CASE("a field on an imported mesh of 10201 nodes is certified, saved and as
   CAPTURE(disc_book().certificate()->max_error, disc_book().build().message);
   CHECK(disc_book().certificate()->met);
   CHECK(disc_book().certificate()->places == 10201);
-  CHECK(verdict(*disc_book().certificate()) == "met at 12 points");
+  CHECK(verdict(disc_book().build(), *disc_book().certificate()) == "met at 12 points");
   CHECK_THAT(disc_book().certificate()->integrator, Contains("direct solution"));
   CHECK_FALSE(disc_book().has_time());
   const TemporaryDirectory directory;

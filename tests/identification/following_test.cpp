@@ -427,3 +427,69 @@ TEST_CASE("warnings of a followed motion are told once each, and stand in its JS
   CHECK_FALSE(report.warnings.add(WarningKind::source, "the camera is not known"));
   CHECK_THAT(follow_json(report), Catch::Contains("\"warnings\":[\"the camera is not known\"]"));
 }
+
+TEST_CASE("a motion lost before its last frame is not followed to its end, and a warning says so") {
+  FollowReport report;
+  FollowedMotion& motion = report.motion;
+  motion.times = Eigen::Vector4d(0.0, 0.1, 0.2, 0.3);
+  motion.state_times = motion.times;
+  motion.values = Eigen::Vector4d(1.0, 1.0, kNotSeen, kNotSeen);
+  motion.frames.resize(4, {.status = FollowStatus::following, .values = 1});
+  motion.frames[2].status = motion.frames[3].status = FollowStatus::blind;
+  FollowReport unseen = report;
+  add_follow_warnings(unseen);
+  CHECK(is_followed_to_end(unseen));
+  CHECK(unseen.warnings.empty());
+
+  motion.frames[2].status = FollowStatus::lost;
+  add_follow_warnings(report);
+  CHECK_FALSE(is_followed_to_end(report));
+  CHECK(report.warnings.has(WarningKind::model, "lost after 0.1 s, and not found again"));
+  CHECK(report.warnings.has(WarningKind::model, "the last frame, at 0.2 s"));
+  CHECK(report.warnings.size() == 1);
+}
+
+TEST_CASE("many frames far from the forecast bring a warning, a motion lost once and found again does not") {
+  FollowReport report;
+  FollowedMotion& motion = report.motion;
+  constexpr Eigen::Index kFrames = 30;
+  motion.times = motion.state_times = Eigen::VectorXd::LinSpaced(kFrames, 0.0, 2.9);
+  motion.values = Eigen::VectorXd::Ones(kFrames);
+  motion.frames.resize(kFrames, {.status = FollowStatus::following, .values = 3, .innovation_squared = 6.0});
+  for (std::size_t k = 0; k < 8; ++k)
+    motion.frames[k] = {.status = k < 7 ? FollowStatus::starting : FollowStatus::following, .values = 3};
+  const FollowedFrame far = {.status = FollowStatus::outlier, .values = 3, .innovation_squared = 500.0};
+  const auto warned = [](FollowReport of) {
+    add_follow_warnings(of);
+    CHECK(is_followed_to_end(of));
+    return !of.warnings.empty();
+  };
+  CHECK_FALSE(warned(report));
+
+  FollowReport lost_once = report;
+  for (std::size_t k = 10; k < 16; ++k) lost_once.motion.frames[k] = far;
+  lost_once.motion.frames[15].status = FollowStatus::lost;
+  CHECK_FALSE(warned(lost_once));
+  CHECK_THAT(follow_text(lost_once), Catch::Contains("are 2 times what was expected of 48 values"));
+  // Lost a second time.
+  FollowReport lost_again = lost_once;
+  for (std::size_t k = 16; k < 22; ++k) lost_again.motion.frames[k] = lost_once.motion.frames[k - 6];
+  CHECK(warned(lost_again));
+
+  // A tenth of the 22 frames that were compared is 2.2.
+  for (const std::size_t k : {10U, 15U}) motion.frames[k] = far;
+  CHECK_FALSE(warned(report));
+  motion.frames[20] = far;
+  CHECK(warned(report));
+  add_follow_warnings(report);
+  CHECK(report.warnings.has(
+      WarningKind::model,
+      "3 of 22 frames lie farther from the forecast than errors allow, where one in 10,000"));
+  CHECK(report.warnings.size() == 1);
+
+  // Nine frames tell too little.
+  FollowReport few = report;
+  for (std::size_t k = 17; k < 30; ++k) few.motion.frames[k] = {.status = FollowStatus::blind};
+  few.warnings = {};
+  CHECK_FALSE(warned(few));
+}

@@ -1,18 +1,22 @@
 #include "samara/io/atomic_file.h"
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <fcntl.h>
 #include <unistd.h>
 
 #include "../error_text.h"
+#include "samara/base/text.h"
 #include "samara/io/descriptor.h"
 #include "temporary_directory.h"
 
 using Catch::Matchers::Contains;
 using samara::ArgumentError;
 using samara::io::PendingFile;
+using samara::io::require_name_of_format;
 using samara::io::write_text_atomically;
 
 namespace fs = std::filesystem;
@@ -169,6 +173,30 @@ TEST_CASE("a path that cannot be written is refused with path and reason") {
   CHECK_THAT(error(directory / std::string(256, 'n') / "f"), Contains("cannot write"));
   CHECK_THAT(error_text<ArgumentError>([] { PendingFile pending("/dev/null"); }),
              Contains("not a regular file"));
+}
+
+TEST_CASE("a name with the ending of another format is refused, and one with an unknown ending is not") {
+  const std::vector<std::pair<std::string, std::string>> formats = {
+      {".h5", "HDF5"}, {".csv", "CSV"}, {".json", "JSON"}, {".toml", "TOML"}, {".txt", "text"}};
+  for (const auto& [ending, format] : formats) {
+    for (const std::string name : {"fall", "run_0.2", "fall.dat", "fall.book"})
+      CHECK_NOTHROW(require_name_of_format(name, ending));
+    for (const std::string other : {".h5", ".csv", ".JSON", ".toml", ".tsv", ".glb", ".obj", ".stl", ".ply",
+                                    ".fbx", ".gltf", ".svg", ".html"}) {
+      const std::string name = "fall" + other;
+      INFO(name << " of " << format);
+      if (samara::lower_case(other) == ending) {
+        CHECK_NOTHROW(require_name_of_format(name, ending));
+      } else {
+        CHECK_THROWS_WITH(require_name_of_format(name, ending),
+                          "the output is \"" + name + "\", but " + format +
+                              " is written; a name that ends in " + ending + " was expected");
+      }
+    }
+  }
+  CHECK_NOTHROW(require_name_of_format("fall.hdf5", ".h5"));
+  CHECK_NOTHROW(require_name_of_format("fall.txt", ".csv"));
+  CHECK_THROWS_AS(require_name_of_format("fall.txt", ".h5"), ArgumentError);
 }
 
 TEST_CASE("a directory without write permission is refused") {

@@ -140,7 +140,8 @@ TEST_CASE("too few steps are a status, and the rows reached are kept") {
   CHECK_THAT(part.message,
              Catch::StartsWith("stopped at t = 0.") &&
                  Catch::EndsWith("of 0.5 after " + std::to_string(part.steps) +
-                                 " steps: that is all the steps allowed; stiff equations need fewer by BDF"));
+                                 " steps: that is all the steps allowed; a shorter time takes fewer, and so "
+                                 "does BDF, of single trajectories, where equations are stiff"));
   // The limit is on the trajectory, not on the way between two times.
   CHECK(integrate(coin(), kCoinPoint, kIntegrationTimes, {.max_steps = whole.steps}, true).is_usable());
 }

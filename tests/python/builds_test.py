@@ -228,6 +228,14 @@ def test_a_checkpoint_that_cannot_be_written_is_warned_of(tmp_path):
     assert book.certificate.met
 
 
+def test_a_checkpoint_that_is_no_file_is_refused_by_name():
+    plan = {"model": "vertical_fall"}
+    for call in [lambda **more: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], **more), lambda **more: samara.build(plan, **more),
+                 lambda **more: samara.sweep(plan, **more)]:
+        with pytest.raises(samara.ArgumentError, match="checkpoint is of the type int, expected a file"):
+            call(checkpoint=3)
+
+
 def test_warnings_are_told_when_they_happen_so_an_interruption_loses_none(tmp_path):
     def separated(**more):
         return samara.separate(lambda x: 1 / (1 + 25 * x[:, 0] ** 2), {"a": (-1, 1)}, ["u"], 1e-6, certificate_points=20, **more)

@@ -52,6 +52,8 @@ def test_a_notebook_says_how_many_points_of_a_certificate_failed(coin):
     certificate = dataclasses.replace(coin.certificate, met=False, failed_points=3)
     told = types.SimpleNamespace(**{name: getattr(coin, name) for name in ("coordinates", "title", "model")}, certificate=certificate)
     assert "of which 3 failed" in samara._html.codebook(told, coin._book.outlines())
+    told.certificate = dataclasses.replace(coin.certificate, met=False, verdict="not converged")
+    assert "certificate NOT CONVERGED</b>: largest error" in samara._html.codebook(told, coin._book.outlines())
     assert "failed" not in coin._repr_html_()
 
 
@@ -177,6 +179,13 @@ def test_a_saved_codebook_is_the_same(coin, tmp_path):
     with pytest.raises(OSError, match="cannot write .*none/copy.h5") as raised:
         coin.save(tmp_path / "none" / "copy.h5")
     assert isinstance(raised.value, samara.InputError)
+
+
+def test_a_codebook_is_not_saved_by_a_name_of_another_format(coin, tmp_path):
+    with pytest.raises(samara.ArgumentError, match=r"coin\.csv.*HDF5 is written; a name that ends in \.h5 was expected"):
+        coin.save(tmp_path / "coin.csv")
+    assert not list(tmp_path.iterdir())
+    coin.save(tmp_path / "coin.book")
 
 
 def test_bad_files_are_os_errors_with_the_sentence_of_the_command(tmp_path):

@@ -220,6 +220,17 @@ def test_a_jacobian_is_held_against_its_shape_and_against_differences():
     assert none._derivatives(0.0, np.ones(1), np.empty(0))[2].shape == (1, 0)
 
 
+def test_a_wrong_jacobian_is_refused_where_it_is_taken_and_costs_a_build_without_it_nothing():
+    wrong = samara.Model(lambda t, x, p: (x[1], -p[0] * x[0]), {"x": "m", "v": "m/s"}, {"k": "1/s^2"},
+                         jacobian=lambda t, x, p: ([[0.0, 1.0], [1.0, 0.0]], [[0.0], [1.0]]))
+    plan = {"box": {"k": [0.8, 1.2], "x(0)": [0.1, 1.0]}, "time": {"end": 1.0}, "tolerance": {"relative": 1e-3}}
+    assert samara.build(plan, wrong, progress=False, certificate_points=20).certificate.met
+    with pytest.raises(samara.ArgumentError, match="by jacobian"):
+        samara.build({**plan, "builder": {"kind": "pgd", "strategy": "enrichment"}}, wrong, progress=False)
+    with pytest.raises(samara.ArgumentError, match="by jacobian"):
+        samara.simulate(wrong, {"k": 1.0, "x(0)": 0.5}, np.linspace(0.0, 1.0, 3), sensitivities=["k"])
+
+
 def test_what_a_model_derives_from_its_states_is_integrated_with_them(tmp_path):
     (tmp_path / "pendulum.toml").write_text("""name = "pendulum"
 [states]

@@ -27,6 +27,7 @@ def test_a_number_that_makes_no_sense_is_refused_by_its_name(tmp_path):
         (lambda: samara.records(track, sidecar="a.toml"), 'sidecar "a.toml" says what .* every capture given is in memory'),
         (lambda: samara.records("b.toml", sidecar="a.toml"), "every capture given is a sidecar itself; a table file was expected"),
         (lambda: samara.records("b.csv", sidecar=3), "sidecar is of the type int, expected a file"),
+        (lambda: realised(checkpoint=3), "checkpoint is of the type int, expected a file"),
         (lambda: samara.agreement([("drop", 0, 499, "spiral")], track, length="-5 cm"), "length is -0.05 m"),
         (lambda: samara.agreement([("drop", 0, 499, "spiral")], track, thresholds={"wobble": None}), "wobble is None"),
         (lambda: samara.pattern_thresholds(wobble="high"), "wobble: .*high"),

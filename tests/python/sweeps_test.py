@@ -14,6 +14,8 @@ def test_a_sweep_is_that_of_the_command(tmp_path):
     swept = samara.sweep(PLATES, progress=False)
     assert swept.complete and swept.points.shape == (27, 2) and swept.features.shape == (54, len(samara.FEATURES))
     swept.save(tmp_path / "mine.h5")
+    with pytest.raises(samara.ArgumentError, match=r"HDF5 is written; a name that ends in \.h5 was expected"):
+        swept.save(tmp_path / "mine.csv")
     (tmp_path / "plan.toml").write_text(swept.plan)
     command("sweep", tmp_path / "plan.toml", "-o", tmp_path / "theirs.h5")
     with h5py.File(tmp_path / "theirs.h5") as file:
@@ -174,6 +176,8 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
     follows = motions.runs[1:] == motions.runs[:-1]
     np.testing.assert_array_equal(motions.ends[:-1][follows], motions.starts[1:][follows])
     motions.save(tmp_path / "leaf.h5")
+    with pytest.raises(samara.ArgumentError, match=r"HDF5 is written; a name that ends in \.h5 was expected"):
+        motions.save(tmp_path / "leaf.csv")
     with pytest.raises(samara.InputError, match="cannot write .*none/leaf.h5"):
         motions.save(tmp_path / "none" / "leaf.h5")
     again = samara.Motions.open(tmp_path / "leaf.h5")
@@ -206,6 +210,10 @@ def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
     assert some.falling == 0
     some.release([0, 0, 1], bodies=np.arange(5) >= 3)
     assert list(some.status) == ["waiting"] * 3 + ["falling"] * 2
+    low = samara.Bodies(motions, 2, ground=0)
+    with pytest.raises(samara.ArgumentError, match="^body 1 starts at a height of -1 m, expected above the ground at 0 m$"):
+        low.release([[0, 0, 1], [0, 0, -1]])
+    assert set(low.status) == {"waiting"}
     for wrong, part in [([True, False], "mask of the shape"), ([0.0, 1.0], "of the type float64"), (["1"], "of the type <U1")]:
         with pytest.raises(samara.ArgumentError, match=part):
             some.release([0, 0, 1], bodies=wrong)
