@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "samara/models/equations/equation_model.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::codebooks {
@@ -77,9 +78,11 @@ class Trials {
     };
     return keep(moved, [](const Eigen::VectorXd& f) { return f; });
   }
-  /// Whether f stays as it is over a window of time and a quarter of it beyond, at other times for every draw: what
-  /// acts for a short time is met, too.
+  /// Whether f stays as it is: equations as text if they do not mention the time, others over a window of time and a
+  /// quarter of it beyond, at other times for every draw: what acts for a short time is met, too.
   bool keep_in_time(double window) {
+    const models::Equations* const text = models::equations_of(model_.model());
+    if (text != nullptr && models::mention_time(*text)) return false;
     constexpr int kTimes = 8;
     double share = 0.0;
     return std::ranges::all_of(draws_, [&](const Draw& draw) {

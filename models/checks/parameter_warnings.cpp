@@ -36,10 +36,11 @@ class Values {
     if (all) all_ = model.completed(p);
   }
 
-  /// NaN if the model has no such parameter, or it is not known.
+  /// NaN if the model has no such parameter with a unit, or it is not known: a plain number of one's own equations that
+  /// is called "c" is no thickness.
   double operator()(const std::string& name) const {
     for (std::size_t k = 0; k < all_.size(); ++k) {
-      if (info_.parameters[k].name == name) return all_[k];
+      if (info_.parameters[k].name == name && info_.parameters[k].unit != "1") return all_[k];
     }
     return kUnknown;
   }

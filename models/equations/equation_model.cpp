@@ -1,6 +1,7 @@
 #include "samara/models/equations/equation_model.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -429,6 +430,23 @@ class EquationModel final : public Model {
 
 std::shared_ptr<const Model> equation_model(const Equations& equations) {
   return std::make_shared<EquationModel>(equations, EquationCompiler(equations).compile());
+}
+
+bool mention_time(const Equations& equations) {
+  const auto is_of_name = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+           static_cast<unsigned char>(c) >= 0x80;
+  };
+  const auto mentions = [&](const std::string& text) {
+    for (auto begin = text.begin(); begin != text.end();) {
+      const auto end = std::find_if_not(begin, text.end(), is_of_name);
+      if (end - begin == 1 && *begin == 't') return true;
+      begin = end == begin ? begin + 1 : end;
+    }
+    return false;
+  };
+  return std::ranges::any_of(equations.rates, mentions) ||
+         std::ranges::any_of(equations.abbreviations, [&](const auto& one) { return mentions(one.second); });
 }
 
 const Equations* equations_of(const Model& model) {

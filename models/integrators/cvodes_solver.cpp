@@ -14,11 +14,15 @@
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
 #include "samara/base/require.h"
+#include "samara/models/equations/equation_model.h"
 #include "samara/models/integrators/trajectory_tools.h"
 
 namespace samara::models {
 
 namespace {
+
+/// At least, where something acts for a while only.
+constexpr int kStepsOverTime = 200;
 
 void check_options(const IntegrateOptions& options) {
   check_relative_tolerance(options.relative_tolerance);
@@ -150,7 +154,33 @@ void CvodesSolver::start(std::span<const double> q, double end) {
   must(CVodeReInit(cvodes_.get(), 0.0, x_.get()), "CVodeReInit");
   must(CVodeSVtolerances(cvodes_.get(), options_.relative_tolerance, tolerance_.get()), "CVodeSVtolerances");
   must(CVodeSetStopTime(cvodes_.get(), end), "CVodeSetStopTime");
+  // 0: without a bound.
+  if (options_.max_step == 0.0)
+    must(CVodeSetMaxStep(cvodes_.get(), acts_for_a_while(end) ? end / kStepsOverTime : 0.0),
+         "CVodeSetMaxStep");
   if (sensitivity_count_ > 0) start_sensitivities(scales);
+}
+
+bool CvodesSolver::acts_for_a_while(double end) {
+  const Equations* const text = equations_of(model_.model());
+  if (text == nullptr || end <= 0.0 || !mention_time(*text)) return false;
+  constexpr Eigen::Index kApart = 8;
+  constexpr double kSmooth = 0.1;
+  Eigen::MatrixXd rates(std::ssize(rate_), kStepsOverTime + 1);
+  for (Eigen::Index k = 0; k < rates.cols(); ++k) {
+    model_.rhs(end * static_cast<double>(k) / kStepsOverTime, states(), q_, rate_, workspace_);
+    rates.col(k) = Eigen::Map<const Eigen::VectorXd>(rate_.data(), std::ssize(rate_));
+  }
+  if (!rates.allFinite()) return true;
+  const Eigen::VectorXd ranges = rates.rowwise().maxCoeff() - rates.rowwise().minCoeff();
+  if (ranges.maxCoeff() == 0.0) return true;  // what it acts on is not there yet
+  for (Eigen::Index k = 0; k < rates.cols() - 1; ++k) {
+    const Eigen::Index before = k - k % kApart;
+    const double share = static_cast<double>(k - before) / kApart;
+    const Eigen::VectorXd line = rates.col(before) + share * (rates.col(before + kApart) - rates.col(before));
+    if (((rates.col(k) - line).cwiseAbs().array() > kSmooth * ranges.array()).any()) return true;
+  }
+  return false;
 }
 
 void CvodesSolver::start_sensitivities(const Scales& scales) {

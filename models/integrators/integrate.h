@@ -21,7 +21,8 @@ struct IntegrateOptions {
   long max_steps = 100000;
   /// Adams for non-stiff problems (the default: bodies in a fluid over moderate times), BDF otherwise.
   bool stiff = false;
-  /// Longest step [s]; 0: whatever the tolerance allows, which may leap over a force that acts for a short while.
+  /// Longest step [s]; 0: whatever the tolerance allows, and at most 1/200 of the whole where equations as text hold a
+  /// force that acts for a while only: longer ones may leap over it.
   double max_step = 0.0;
 };
 

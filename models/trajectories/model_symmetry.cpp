@@ -6,6 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "samara/models/equations/equation_model.h"
+
 namespace samara::models {
 
 std::vector<std::string> translated_outputs(const ModelInfo& model,
@@ -67,6 +69,9 @@ std::vector<double> times_of_motion() {
 }
 
 bool is_autonomous(const ParametricModel& equations, const std::vector<FamilyCoordinate>& box) {
+  // No times that are tried would meet what acts for a moment.
+  const Equations* const text = equations_of(equations.model());
+  if (text != nullptr && mention_time(*text)) return false;
   Eigen::VectorXd first(equations.state_count()), then(equations.state_count());
   const auto span_of = [](Eigen::VectorXd& f) {
     return std::span(f.data(), static_cast<std::size_t>(f.size()));

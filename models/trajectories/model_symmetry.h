@@ -29,7 +29,8 @@ std::vector<PointOfMotion> points_of_motion(const ParametricModel& equations,
 /// 32 times from 0.01 to 100 s, evenly in their logarithms and without a period.
 std::vector<double> times_of_motion();
 
-/// Whether the equations are the same at all these times, to round-off, at all these points. Points without rates do
+/// Whether equations as text do not mention the time; of others, whether they are the same at all these times, to
+/// round-off, at all these points. Points without rates do
 /// not count; where there are no others they are not.
 bool is_autonomous(const ParametricModel& equations, const std::vector<FamilyCoordinate>& box);
 

@@ -69,6 +69,8 @@ TEST_CASE("a pendulum has one reflection, that of its angle and its spin") {
 TEST_CASE("a law that acts for a part of the time is one that knows it") {
   CHECK_FALSE(found_in(pendulum("max(0.02 - abs(t - 0.05), 0)")).autonomous);
   CHECK_FALSE(found_in(pendulum("max(t - 0.11, 0)")).autonomous);
+  // Long after the window, where motions go on window by window.
+  CHECK_FALSE(found_in(pendulum("step(t - 30)")).autonomous);
 }
 
 TEST_CASE("laws that a reflection changes have none, wherever in the box and however little it does") {

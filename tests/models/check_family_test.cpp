@@ -208,6 +208,9 @@ TEST_CASE("a family knows that its equations know the time, also where the motio
   Equations kicked = calm;
   kicked.rates[1] = "-pull*sin(angle) + step(t - 0.5)*step(1.2 - t)";
   CHECK_FALSE(family_of(kicked)->info().autonomous);
+  // Between all times that could be tried.
+  kicked.rates[1] = "-pull*sin(angle) + exp(-((t - 4.7)/0.01)^2)";
+  CHECK_FALSE(family_of(kicked)->info().autonomous);
   calm.rates[1] = "sqrt(-pull)";
   CHECK_FALSE(family_of(calm)->info().autonomous);
 }

@@ -9,7 +9,9 @@
 #include "../error_text.h"
 #include "samara/base/errors.h"
 #include "samara/models/checks/check_model.h"
+#include "samara/models/checks/parameter_warnings.h"
 #include "samara/models/equations/equation_model.h"
+#include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/law_model.h"
 #include "samara/models/trajectories/check_family.h"
 #include "samara/models/trajectories/reference_trajectories.h"
@@ -360,4 +362,29 @@ TEST_CASE("a damaged expression is refused, or still keeps its units") {
   }
   CHECK(refused > kDamaged / 6);
   CHECK(taken > kDamaged / 50);
+}
+
+TEST_CASE("a force that acts for a hundredth of the time is not leapt over") {
+  const auto pushed = equation_model({.name = "pushed",
+                                      .states = {{.name = "x", .unit = "1"}},
+                                      .parameters = {{.name = "a", .unit = "1"}},
+                                      .rates = {"a*exp(-((t - 5.3)/0.05)^2)/(0.05*sqrt(pi))"}});
+  const ParametricModel model(pushed, {{"x(0)", 0.0}}, {"a"});
+  const std::vector<double> q = {1.5}, times = {0.0, 4.0, 6.0, 10.0};
+  for (const bool stiff : {false, true}) {
+    const Trajectory found = integrate(model, q, times, {.stiff = stiff});
+    REQUIRE(found.is_usable());
+    CHECK(std::abs(found.states(1, 0)) < 1e-8);
+    CHECK(found.states(2, 0) == Approx(1.5).epsilon(1e-7));
+    CHECK(found.states(3, 0) == Approx(1.5).epsilon(1e-7));
+  }
+}
+
+TEST_CASE("plain numbers that are called as sizes of bodies are no sizes") {
+  const auto neuron = equation_model(
+      {.name = "neuron",
+       .states = {{.name = "v", .unit = "1"}, {.name = "w", .unit = "1"}},
+       .parameters = {{.name = "a", .unit = "1"}, {.name = "b", .unit = "1"}, {.name = "c", .unit = "1"}},
+       .rates = {"c*(v - v^3/3 + w)", "-(v - a + b*w)/c"}});
+  CHECK(parameter_warnings(*neuron, {{"a", 0.2}, {"b", 0.2}, {"c", 3.0}}).empty());
 }

@@ -24,7 +24,7 @@ SUB_ROOMS = {
     "io": [""],
     "python": ["src"],
     "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear", "checks"],
-    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "fields", "law_tools", "laws", "wakes", "stochastic", "wind"],
+    "models": ["interface", "checks", "bodies", "added_mass", "equations", "integrators", "batch", "trajectories", "fields", "law_tools", "laws", "wakes", "stochastic", "wind"],
     "codebooks": [
         "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "figures", "capi",
     ],
