@@ -206,7 +206,8 @@ void PredictedCaptures::add(PredictedCaptures other) {
   for (std::string& sentence : other.shares) shares.push_back(std::move(sentence));
 }
 
-void check_prediction(const FitOptions& options, const PredictionOptions& prediction) {
+void check_prediction(const models::FamilyInfo& family, const FitOptions& options,
+                      const PredictionOptions& prediction) {
   for (const auto& [name, value] : {std::pair{"span", prediction.span},
                                     {"ahead", prediction.ahead},
                                     {"stride", prediction.stride.value_or(1.0)}}) {
@@ -218,6 +219,12 @@ void check_prediction(const FitOptions& options, const PredictionOptions& predic
     throw ArgumentError(
         "stride: a span that is predicted starts where it is cut, not at a release, and has no delay; "
         "predictions from the first frame were expected");
+  }
+  if (prediction.stride && !family.autonomous) {
+    throw ArgumentError(
+        fmt::format("stride: the equations of \"{}\" depend on time, and spans that are predicted have times "
+                    "of their own; predictions from the first frame were expected",
+                    family.model));
   }
   for (const std::string& name : prediction.hidden) {
     if (options.unknowns.known.contains(name)) continue;
@@ -263,7 +270,7 @@ void refuse_fitted(const std::string& id, const std::string& file, std::span<con
 PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitResult& fitted,
                              std::span<const Capture> left_out, const FitOptions& options,
                              const PredictionOptions& prediction, bool wants_along) {
-  check_prediction(options, prediction);
+  check_prediction(family.info(), options, prediction);
   refuse_repeated(left_out, "left out");
   if (fitted.status == Termination::failed || left_out.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);

@@ -34,8 +34,10 @@ struct PredictedCaptures {
   void add(PredictedCaptures other);
 };
 
-/// @throws ArgumentError for times outside their meaning
-void check_prediction(const FitOptions& options, const PredictionOptions& prediction);
+/// @throws ArgumentError for times outside their meaning, and for spans all along captures of a family whose equations
+/// depend on time
+void check_prediction(const models::FamilyInfo& family, const FitOptions& options,
+                      const PredictionOptions& prediction);
 
 /// @param captures that are predicted, or teach predictions
 /// @throws ArgumentError for one without a channel of a view, and for views where no place in space is predicted

@@ -112,7 +112,7 @@ void train(const models::TrajectoryFamily& family, std::span<const Capture> trai
 void check_left_out(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     std::span<const Capture> left_out, const FitOptions& options,
                     const PredictionOptions& prediction) {
-  check_prediction(options, prediction);
+  check_prediction(family.info(), options, prediction);
   const FitProblem problem = make_problem(family.info(), captures, options);
   refuse_repeated(left_out, "left out");
   if (prediction.mixture && !left_out.empty())
@@ -140,7 +140,7 @@ void add_predictions(const models::TrajectoryFamily& family, std::span<const Cap
 
 void check_folds(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                  const FitOptions& options, const PredictionOptions& prediction, const Folds& folds) {
-  check_prediction(options, prediction);
+  check_prediction(family.info(), options, prediction);
   check_views(family, captures, options, prediction);
   const int clusters = count_of(clusters_of(captures, options.uncertainty.cluster_by));
   if (folds.count >= 2 && folds.count <= clusters) {

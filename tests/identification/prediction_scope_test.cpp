@@ -141,6 +141,24 @@ TEST_CASE("spans along a capture are fitted with starts of their own, and predic
       samara::InputError);
 }
 
+TEST_CASE("spans of captures are not predicted by equations that depend on time, and whole captures are") {
+  BrakedFamily family;
+  family.mutable_info().autonomous = false;
+  const std::vector captures = braked(0, 4, 0.0);
+  const auto refusal = Catch::Matchers::Contains("stride: the equations of \"braked\" depend on time");
+  PredictionOptions prediction{.span = 0.5, .ahead = 0.25, .stride = 0.25};
+  CHECK_THROWS_WITH(check_folds(family, captures, plain(), prediction, {.count = 2}), refusal);
+  CHECK_THROWS_WITH(
+      check_left_out(family, std::span(captures).first(2), std::span(captures).last(2), plain(), prediction),
+      refusal);
+  prediction.stride.reset();
+  check_folds(family, captures, plain(), prediction, {.count = 2});
+  const FitResult fitted = fit(family, std::span(captures).first(2), plain());
+  CHECK(of(predict_left_out(family, fitted, std::span(captures).last(2), plain(), prediction), "model",
+           "position, 0.25 s ahead")
+            .captures == 2);
+}
+
 TEST_CASE("each fold is predicted by a fit of the others") {
   const BrakedFamily family;
   const std::vector captures = braked(0, 6, 1e-4);
