@@ -209,6 +209,19 @@ void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
   }
 }
 
+/// @param scale of the loss, in the unit of the residual
+void warn_about_misfit(const OutputRms& residual, double scale, FitResult& result) {
+  constexpr double kMany = 5.0;
+  if (!(residual.rms > kMany * scale)) return;
+  const std::string unit = unit_suffix(residual.unit);
+  result.warnings.add(
+      WarningKind::model,
+      fmt::format(
+          "the model misses {} by {:.3g}{} in the root mean square, {:.2g} times the loss scale of "
+          "{:.3g}{}: perhaps the model, what is fixed, a unit or the span is not that of the captures",
+          residual.output, residual.rms, unit, residual.rms / scale, scale, unit));
+}
+
 /// Of a body of the family that is let go; true where its equations are not known.
 bool falls_in_middle(const models::TrajectoryFamily& family) {
   if (family.equations() == nullptr) return true;
@@ -228,20 +241,14 @@ void add_prior_warning(const std::string& what, double value, double away, Warni
 }
 
 void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
-  constexpr double kMany = 5.0;
   for (std::size_t o = 0; o < problem.outputs.size() && o < result.residuals.size(); ++o) {
-    if (!problem.outputs[o].scale_is_stated) continue;
-    const double scale = problem.outputs[o].scale;
-    const OutputRms& residual = result.residuals[o];
-    if (!(residual.rms > kMany * scale)) continue;
-    const std::string unit = unit_suffix(residual.unit);
-    result.warnings.add(
-        WarningKind::model,
-        fmt::format(
-            "the model misses {} by {:.3g}{} in the root mean square, {:.2g} times the loss scale of "
-            "{:.3g}{}: perhaps the model, what is fixed, a unit or the span is not that of the captures",
-            residual.output, residual.rms, unit, residual.rms / scale, scale, unit));
+    if (problem.outputs[o].scale_is_stated)
+      warn_about_misfit(result.residuals[o], problem.outputs[o].scale, result);
   }
+  // The attitude comes after the outputs, where it was compared.
+  if (!problem.attitude_scale || result.residuals.size() == problem.outputs.size()) return;
+  if (problem.loss != LossKind::none || *problem.attitude_scale != LossOptions{}.attitude_scale)
+    warn_about_misfit(result.residuals.back(), *problem.attitude_scale, result);
 }
 
 void add_start_warning(const models::TrajectoryFamily& family, const FitOptions& options, FitResult& result) {

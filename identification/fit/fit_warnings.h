@@ -11,7 +11,7 @@
 /// adds its own where it is made; the kinds of all are in warnings.h.
 namespace samara::identification {
 
-/// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.
+/// Outputs, and the attitude, whose residuals are many times their loss scale. Needs the residuals over all captures.
 void add_misfit_warnings(const FitProblem& problem, FitResult& result);
 
 /// Segments whose starts could not be found, because the equations of the family are not known.

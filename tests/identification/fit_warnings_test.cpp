@@ -82,6 +82,34 @@ TEST_CASE("scales that were stated count without a loss, too") {
   CHECK_THAT(text_of(fit(*coin_family(), captures, options).warnings), Contains("the loss scale of 0.001 m"));
 }
 
+TEST_CASE("a fit that misses attitudes by many times their scale says so") {
+  // Turns about z at up to 2 rad/s, seen at 4: 2 rad apart after 1 s.
+  const ClosedFormFamily turns({.model = "turns",
+                                .coordinates = {{"rate", "rad/s", false, 1.0, 2.0}},
+                                .outputs = {{"qw", "1"}, {"qx", "1"}, {"qy", "1"}, {"qz", "1"}},
+                                .attitude = {"qw", "qx", "qy", "qz"}},
+                               [](std::span<const double> q, double t, auto& values, auto* derivatives) {
+                                 const double half = 0.5 * q[0] * t;
+                                 values << std::cos(half), 0.0, 0.0, std::sin(half);
+                                 if (derivatives)
+                                   *derivatives << -0.5 * t * std::sin(half), 0.0, 0.0,
+                                       0.5 * t * std::cos(half);
+                               });
+  const Eigen::ArrayXd halves = Eigen::ArrayXd::LinSpaced(21, 0.0, 2.0);
+  Capture capture = make_capture("fast", even_times(21, 1.0), halves.cos().matrix());
+  capture.channels = {{"qw", "1", halves.cos().matrix()},
+                      {"qx", "1", Eigen::VectorXd::Zero(21)},
+                      {"qy", "1", Eigen::VectorXd::Zero(21)},
+                      {"qz", "1", halves.sin().matrix()}};
+  FitOptions options;
+  options.loss.kind = LossKind::none;
+  const auto said = [&] { return text_of(fit(turns, std::vector{capture}, options).warnings); };
+  CHECK_THAT(said(), !Contains("the model misses"));
+  options.loss.attitude_scale = 0.02;
+  CHECK_THAT(said(),
+             Contains("the model misses attitude by 1.") && Contains("times the loss scale of 0.02 rad"));
+}
+
 TEST_CASE("a channel that means nothing to the model is warned of, with what was perhaps meant") {
   std::vector<Capture> captures = coins(1.15);
   for (Capture& capture : captures) capture.channels.push_back({"xx", "m", capture.channels[0].values});
