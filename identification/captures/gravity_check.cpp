@@ -22,17 +22,28 @@ struct Weight {
   Eigen::VectorXd acceleration = {};     ///< of each, m/s^2
 };
 
+/// When and where a body is let go: all other places are 0.
+struct LetGo {
+  double time = 0.0;       ///< s
+  std::string place = {};  ///< empty: none
+  double at = 0.0;         ///< m, along that place
+};
+
 /// Without velocities and turns, the rates of places are zero; a moment later they are not.
-Weight weight_of(const models::ParametricModel& equations, std::span<const double> q) {
+Weight weight_of(const models::ParametricModel& equations, std::span<const double> q,
+                 const LetGo& let_go = {}) {
   constexpr double kMoment = 1e-4;  // s
   const std::vector<models::StateInfo>& states = equations.model().info().states;
   std::vector<double> rest(states.size(), 0.0), rates(states.size()), later(states.size());
-  for (std::size_t s = 0; s < states.size(); ++s) rest[s] = states[s].name == "qw" ? 1.0 : 0.0;
+  for (std::size_t s = 0; s < states.size(); ++s) {
+    rest[s] = states[s].name == "qw" ? 1.0 : 0.0;
+    if (states[s].name == let_go.place) rest[s] = let_go.at;
+  }
   auto workspace = equations.make_workspace();
-  equations.rhs(0.0, rest, q, rates, workspace);
+  equations.rhs(let_go.time, rest, q, rates, workspace);
   for (std::size_t s = 0; s < states.size(); ++s) later[s] = rest[s] + kMoment * rates[s];
   const std::vector<double> before = rates;
-  equations.rhs(kMoment, later, q, rates, workspace);
+  equations.rhs(let_go.time + kMoment, later, q, rates, workspace);
   Weight weight;
   std::vector<double> accelerations;
   for (std::size_t s = 0; s < states.size(); ++s) {
@@ -51,6 +62,21 @@ std::string axis_of(const Weight& weight) {
   weight.acceleration.cwiseAbs().maxCoeff(&axis);
   return fmt::format("{}{}", weight.acceleration[axis] < 0.0 ? "-" : "+",
                      weight.places[static_cast<std::size_t>(axis)]);
+}
+
+/// Whether it is the same all along its axis, and at all times: a spring or a drive pulls here and now one way, there
+/// and then another, and is no weight.
+bool is_steady(const models::ParametricModel& equations, std::span<const double> q, const Weight& weight) {
+  constexpr double kSame = 0.1;
+  Index axis = 0;
+  const double most = kSame * weight.acceleration.cwiseAbs().maxCoeff(&axis);
+  const std::string& place = weight.places[static_cast<std::size_t>(axis)];
+  std::vector<LetGo> others = {{.place = place, .at = -1.0}, {.place = place, .at = 1.0}};
+  for (const double time : {0.1, 1.3, 17.0}) others.push_back({.time = time});
+  return std::ranges::none_of(others, [&](const LetGo& other) {
+    const Weight there = weight_of(equations, q, other);
+    return std::abs(there.acceleration[axis] - weight.acceleration[axis]) > most;
+  });
 }
 
 /// What turns the world of a capture, as a sidecar says it, or is to be left out of one.
@@ -133,6 +159,7 @@ std::vector<std::string> check_gravity(const models::ParametricModel& equations,
   const Weight weight = weight_of(equations, q);
   // A body that nearly floats is moved by anything else.
   if (weight.places.empty() || !(weight.acceleration.norm() > kHeavy)) return {};
+  if (!is_steady(equations, q, weight)) return {};
   std::vector<std::pair<std::string, std::string>> found;
   for (const Capture& capture : captures) {
     const std::optional<double> share = unslowed_rise(capture, weight);

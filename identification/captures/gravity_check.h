@@ -19,7 +19,8 @@ namespace samara::identification {
 bool falls(const models::ParametricModel& equations, std::span<const double> q);
 
 /// Warnings, one sentence each, as of suspicions_of_all(). None where the body has hardly a weight (at rest
-/// it accelerates by less than 0.5 m/s^2), or where positions along it were not measured.
+/// it accelerates by less than 0.5 m/s^2), where what moves it changes with the place along it or with time, or where
+/// positions along it were not measured.
 /// @param equations with the coordinates of a fit free
 /// @param q their values: the middle of the box does
 std::vector<std::string> check_gravity(const models::ParametricModel& equations, std::span<const double> q,

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
+#include "samara/models/equations/equation_model.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 #include "synthetic.h"
@@ -78,6 +79,28 @@ TEST_CASE("a plate that flutters and tumbles is not suspected, and upside down i
   mirrored[0].channels.push_back({"theta", "rad", Eigen::VectorXd::Zero(121)});
   CHECK_THAT(check_gravity(model, {}, mirrored).at(0),
              Catch::Contains("(flip = [\"y\", \"theta\"] in a sidecar"));
+}
+
+TEST_CASE("a spring or a drive that pulls at the place 0 is no weight, and a steady pull is") {
+  const auto pulled = [](const std::string& acceleration) {
+    return samara::models::equation_model(
+        {.name = "pulled",
+         .states = {{.name = "x", .unit = "m"}, {.name = "v", .unit = "m/s"}},
+         .parameters = {{.name = "k", .unit = "1/s^2"},
+                        {.name = "w", .unit = "1/s"},
+                        {.name = "L", .unit = "m"}},
+         .rates = {"v", acceleration}});
+  };
+  // Of steady speed against what pulls at rest at 0, which is 3 m/s^2 in all three.
+  const std::vector<double> times = even_times(41, 1.0);
+  const std::vector<Capture> captures = {make_capture("a", times, -Eigen::VectorXd::LinSpaced(41, 0.0, 1.0))};
+  const std::map<std::string, double> values = {{"k", 10.0}, {"w", 3.0}, {"L", 0.3}};
+  const auto found = [&](const std::string& acceleration) {
+    return check_gravity(ParametricModel(pulled(acceleration), values, {}), {}, captures).size();
+  };
+  CHECK(found("k*(L - x)") == 0);
+  CHECK(found("k*L*cos(w*t)") == 0);
+  CHECK(found("k*L") == 1);
 }
 
 TEST_CASE("what a sidecar has turned the wrong way is to be left out of it, or said the other way round") {
