@@ -57,10 +57,27 @@ bool same_optimum(const FitResult& result, const FitPoint& one, const FitPoint& 
   return true;
 }
 
+/// The standard error of the sum of differences of costs between clusters; NaN where there is but one.
+double error_of_sum(const Eigen::ArrayXd& differences) {
+  const auto clusters = static_cast<double>(differences.size());
+  if (clusters < 2.0) return std::numeric_limits<double>::quiet_NaN();
+  return std::sqrt(clusters / (clusters - 1.0) * (differences - differences.mean()).square().sum());
+}
+
 /// The excess of a cost below which it is as good as the best one.
-double threshold(double excess_error, double dispersion, int clusters) {
-  if (clusters >= 2) return student_quantile(clusters - 1, kConfidence) * excess_error;
-  return 0.5 * dispersion * chi_squared_quantile(1, kConfidence);
+///
+/// Where one cluster carries the excess, the scatter is as large as the excess, however hopeless the other optimum is.
+/// So an excess beyond what chance allows among frames must also be small beside the scatter of the clusters that
+/// prefer the other optimum: where there is no difference, half of the scatter is theirs.
+/// @param differences of the costs, by cluster
+double threshold(const Eigen::ArrayXd& differences, double dispersion) {
+  const double by_chance = 0.5 * dispersion * chi_squared_quantile(1, kConfidence);
+  const auto clusters = static_cast<double>(differences.size());
+  if (clusters < 2.0) return by_chance;
+  const double quantile = student_quantile(clusters - 1.0, kConfidence);
+  const double of_preferring =
+      std::sqrt(2.0 * clusters / (clusters - 1.0) * differences.cwiseMin(0.0).square().sum());
+  return std::min(quantile * error_of_sum(differences), std::max(by_chance, quantile * of_preferring));
 }
 
 std::string values_text(const FitResult& result, const OtherOptimum& optimum) {
@@ -90,15 +107,12 @@ void add_other_optima(const FitProblem& problem, std::vector<SegmentResidual>& r
     const std::optional<Eigen::VectorXd> costs = cluster_costs(problem, residuals, run.point);
     if (!costs) continue;
     const Eigen::ArrayXd differences = (*costs - *least).array();
-    const double C = problem.cluster_count;
-    const double excess_error =
-        C < 2.0 ? std::numeric_limits<double>::quiet_NaN()
-                : std::sqrt(C / (C - 1.0) * (differences - differences.mean()).square().sum());
+    const double excess_error = error_of_sum(differences);
     OtherOptimum optimum{.coefficients = {run.point.shared.begin(), run.point.shared.end()},
                          .cost = run.cost,
                          .excess = run.cost - result.cost,
                          .excess_error = excess_error};
-    if (!(optimum.excess < threshold(excess_error, dispersion, problem.cluster_count))) continue;
+    if (!(optimum.excess < threshold(differences, dispersion))) continue;
     const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, run.point);
     const Eigen::MatrixXd& covariance =
         problem.cluster_count >= 2 ? uncertainty.clustered : uncertainty.naive;
@@ -109,7 +123,8 @@ void add_other_optima(const FitProblem& problem, std::vector<SegmentResidual>& r
         fmt::format("the captures do not distinguish the answer from another optimum, {}, whose cost is "
                     "higher by {:.3g}{}",
                     values_text(result, optimum), optimum.excess,
-                    C < 2.0 ? std::string() : fmt::format(" +- {:.3g} between clusters", excess_error)));
+                    problem.cluster_count < 2 ? std::string()
+                                              : fmt::format(" +- {:.3g} between clusters", excess_error)));
     result.other_optima.push_back(std::move(optimum));
   }
   if (runs.size() == 1 && !result.global_search) {

@@ -14,7 +14,9 @@ namespace samara::identification {
 /// are others. Two optima are compared by their costs, cluster by cluster: where the sum of the differences
 /// is less than its standard error, from their scatter, times the one-sided 95 % quantile of Student's t,
 /// other clusters of the same kind might well prefer the other one (Q. H. Vuong, Econometrica 57 (1989)
-/// 307-333). With one cluster a difference counts that chi2 allows at 95 %, frames taken as independent.
+/// 307-333). With one cluster a difference counts that chi2 allows at 95 %, frames taken as independent. With several,
+/// one above that counts only beside the scatter of the clusters that prefer the other optimum: one cluster that
+/// excludes it by far scatters too, and is no doubt.
 ///
 /// Starts that ended short of a minimum are taken as the optima they may become. Adds to the warnings.
 /// @param residuals one per segment, joined as at the optimum; scratch
