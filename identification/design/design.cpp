@@ -11,9 +11,9 @@
 #include "samara/identification/design/capture_evaluator.h"
 #include "samara/identification/design/experiment.h"
 #include "samara/identification/design/film_worth.h"
-#include "samara/identification/design/known_so_far.h"
 #include "samara/identification/design/precision.h"
 #include "samara/identification/design/release_search.h"
+#include "samara/identification/problem/known_so_far.h"
 
 namespace samara::identification {
 

@@ -8,8 +8,8 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/design/design.h"
-#include "samara/identification/design/known_so_far.h"
 #include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/known_so_far.h"
 
 /// Internal to identification/: one capture more as the next fit will see it, with all names resolved.
 namespace samara::identification {

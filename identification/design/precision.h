@@ -7,7 +7,7 @@
 
 #include "samara/identification/design/capture_rows.h"
 #include "samara/identification/design/design.h"
-#include "samara/identification/design/known_so_far.h"
+#include "samara/identification/problem/known_so_far.h"
 
 /// Internal to identification/: what several captures leave open, by draws of the coefficients.
 namespace samara::identification {

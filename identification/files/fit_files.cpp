@@ -21,6 +21,7 @@
 #include "samara/identification/fit/prediction.h"
 #include "samara/identification/petab/petab_problem.h"
 #include "samara/identification/petab/petab_result.h"
+#include "samara/identification/problem/segments.h"
 #include "samara/io/toml_document.h"
 
 namespace samara::identification {
@@ -326,6 +327,8 @@ FitReport fit_files(const FitRequest& request) {
   const FreeBody free_body = free_body_of(source, looked_at);
   of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at, free_body.falls));
   of_captures.add_all(WarningKind::captures, free_body.upside_down);
+  const Warnings early_starts = warnings_of_early_starts(source.family->info(), looked_at, source.options);
+  of_captures.add_all(early_starts);
   teller.tell(of_captures);
   if (source.series) return series_of(request, source, captures.fitted, teller);
   if (request.needs_series)
@@ -356,6 +359,7 @@ FitReport fit_files(const FitRequest& request) {
     report.objective = {owner, objective.get()};
   }
   report.fit.warnings.add_all(WarningKind::captures, free_body.upside_down);
+  report.fit.warnings.add_all(early_starts);
   teller.tell(report.fit.warnings);
   report.is_usable = fits ? report.fit.is_usable() : !report.fit.predictions.empty();
   report.message =

@@ -95,6 +95,7 @@ FollowReport follow_files(const FollowRequest& request) {
   }
   if (!fitted.is_usable())
     report.warnings.add(WarningKind::source, fmt::format("{}: {}", request.fit.string(), fitted.message));
+  report.warnings.add_all(warnings_of_coefficients(*model, fitted));
   if (!request.config.empty()) {
     const FitOptions config = read_fit_config(request.config, config_names(model->info()));
     fitted.setup.unknowns.known = config.unknowns.known;

@@ -11,6 +11,8 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
+#include "samara/base/unit_labels.h"
+#include "samara/identification/problem/known_so_far.h"
 #include "samara/identification/problem/known_values.h"
 #include "samara/identification/problem/measurement.h"
 #include "samara/identification/problem/segments.h"
@@ -159,42 +161,42 @@ void add_own(const models::ModelInfo& info, const FitResult& fitted, FollowOptio
   }
 }
 
-/// Those with an error are followed; the covariance of their steps is that of the fit.
+/// Whether the value of the fit is taken as exact.
+bool is_held(const models::ModelInfo& info, const Coefficient& c) {
+  return c.at_bound || !is_parameter(info, c.name);
+}
+
+/// Of the step of a coefficient, no farther than its box goes.
+double step_deviation(const FollowedCoefficient& c, double error) {
+  const double box = c.logarithmic ? std::log(c.upper / c.lower) : c.upper - c.lower;
+  return std::min(error / (c.logarithmic ? c.value : 1.0), box / std::sqrt(12.0));
+}
+
+/// Those that are not held are followed; how far off they may be is what the fit knows of them.
 void add_coefficients(const models::ModelInfo& info, const FitResult& fitted, FollowOptions& options) {
+  if (fitted.coefficients.empty()) return;
+  const KnownSoFar known = known_so_far(fitted);
+  const auto own = std::ssize(options.coefficients);
   std::vector<Eigen::Index> followed;
-  const auto total = static_cast<Eigen::Index>(fitted.coefficients.size());
-  for (Eigen::Index k = 0; k < total; ++k) {
+  for (Eigen::Index k = 0; k < known.values.size(); ++k) {
     const Coefficient& c = fitted.coefficients[static_cast<std::size_t>(k)];
-    const bool has_error = fitted.covariance.rows() == total && std::isfinite(fitted.covariance(k, k));
-    if (!is_parameter(info, c.name) || !has_error || c.at_bound) {
+    if (is_held(info, c)) {
       options.fixed[c.name] = c.value;
       continue;
     }
     followed.push_back(k);
-    const bool logarithmic = c.lower > 0.0;
-    options.coefficients.push_back(
-        {.name = c.name,
-         .value = c.value,
-         .deviation = std::sqrt(fitted.covariance(k, k)) / (logarithmic ? c.value : 1.0),
-         .logarithmic = logarithmic,
-         .lower = c.lower,
-         .upper = c.upper});
+    FollowedCoefficient coefficient{
+        .name = c.name, .value = c.value, .logarithmic = c.lower > 0.0, .lower = c.lower, .upper = c.upper};
+    coefficient.deviation = step_deviation(coefficient, known.widened[k]);
+    options.coefficients.push_back(coefficient);
   }
-  const auto own = std::ssize(options.coefficients) - std::ssize(followed);
-  Eigen::MatrixXd covariance =
-      Eigen::MatrixXd::Zero(std::ssize(options.coefficients), std::ssize(options.coefficients));
-  for (Eigen::Index j = 0; j < covariance.rows(); ++j) {
-    const FollowedCoefficient& c = options.coefficients[static_cast<std::size_t>(j)];
-    covariance(j, j) = c.deviation * c.deviation;
-    for (Eigen::Index i = own; j >= own && i < j; ++i) {
-      const FollowedCoefficient& other = options.coefficients[static_cast<std::size_t>(i)];
-      const double between = fitted.covariance(followed[static_cast<std::size_t>(i - own)],
-                                               followed[static_cast<std::size_t>(j - own)]) /
-                             ((c.logarithmic ? c.value : 1.0) * (other.logarithmic ? other.value : 1.0));
-      covariance(i, j) = covariance(j, i) = std::isfinite(between) ? between : 0.0;
-    }
-  }
-  options.coefficient_covariance = covariance;
+  const auto total = std::ssize(options.coefficients);
+  Eigen::VectorXd deviations(total);
+  for (Eigen::Index j = 0; j < total; ++j)
+    deviations[j] = options.coefficients[static_cast<std::size_t>(j)].deviation;
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(total, total);
+  correlation.bottomRightCorner(total - own, total - own) = known.correlation(followed, followed);
+  options.coefficient_covariance = deviations.asDiagonal() * correlation * deviations.asDiagonal();
 }
 
 }  // namespace
@@ -234,6 +236,29 @@ FollowOptions follow_options(const models::Model& model, const FitResult& fitted
       options.model_noise.states[state.name] = 0.0;
   }
   return options;
+}
+
+Warnings warnings_of_coefficients(const models::Model& model, const FitResult& fitted) {
+  const models::ModelInfo& info = model.info();
+  Warnings warnings;
+  for (const Coefficient& c : fitted.coefficients) {
+    const std::string value = fmt::format("{:.6g}{}", c.value, unit_suffix(c.unit));
+    if (c.at_bound) {
+      warnings.add(WarningKind::bounds, fmt::format("{} lies at a bound of its box in the fit: it is held at "
+                                                    "{}, as if it were known exactly",
+                                                    c.name, value));
+    } else if (is_held(info, c)) {
+      warnings.add(WarningKind::errors, fmt::format("{} was one for all captures of the fit: it is held at "
+                                                    "{}, as if it were known exactly",
+                                                    c.name, value));
+    } else if (!c.determined || (!c.standard_error && !c.naive_standard_error)) {
+      warnings.add(WarningKind::undetermined,
+                   fmt::format("the fit does not determine {}: it begins at {}, and "
+                               "may lie anywhere in its box",
+                               c.name, value));
+    }
+  }
+  return warnings;
 }
 
 Eigen::MatrixXd frames_of(const Follower& follower, const models::ModelInfo& info, const Capture& capture) {

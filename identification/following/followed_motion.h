@@ -10,6 +10,7 @@
 #include "samara/identification/following/follower.h"
 #include "samara/identification/forecasts/forecast_band.h"
 #include "samara/identification/problem/fit_result.h"
+#include "samara/identification/problem/warnings.h"
 #include "samara/models/interface/model.h"
 
 /// Captures followed with what a fit found (follower.h).
@@ -20,13 +21,19 @@ namespace samara::identification {
 
 /// What a fit says of a motion that it has not seen: outputs and their noise (its noise levels, else what its residuals
 /// leave), what was held, coefficients with their errors (by factors where their box is positive), where each capture's
-/// own unknowns may lie (priors, else their boxes). Coefficients without an error, and initial values that captures
-/// share, are held. Model noise and drifts are zero: choose_noise() finds them.
+/// own unknowns may lie (priors, else their boxes). Errors and correlations of coefficients are those of frames as
+/// independent; errors of the scatter between clusters, where that is more than chance. Coefficients without an error
+/// may lie anywhere in their boxes. Those at a bound, and initial values that captures share, are held. Model noise and
+/// drifts are zero: choose_noise() finds them.
 /// @param capture has the values of what is known for each capture; outputs it does not measure are left out
 /// @throws ArgumentError or InputError for a fit that failed, with delay, gains (but those held at 0 and 1), or offsets
-/// of what is no place; for a capture that lacks a known value or all outputs; and if an output has neither a noise nor
-/// a residual
+/// of what is no place; for a capture that lacks a known value or all outputs; if an output has neither a noise nor a
+/// residual; and for coefficients outside their boxes or with errors that are not positive and finite
 FollowOptions follow_options(const models::Model& model, const FitResult& fitted, const Capture& capture);
+
+/// Names the coefficients of which follow_options() takes no error from the fit: those that it holds, and those that
+/// may lie anywhere in their boxes.
+Warnings warnings_of_coefficients(const models::Model& model, const FitResult& fitted);
 
 /// A capture, frame by frame. Tables have a row for each frame; NaN before the start was found.
 struct FollowedMotion {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -343,7 +344,61 @@ void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& probl
   }
 }
 
+/// Whether it does not matter to which time the value of a state belongs.
+bool is_any_time(const models::FamilyInfo& family, const std::string& state, const FitOptions& options) {
+  const auto& offsets = options.unknowns.offsets;
+  if (std::ranges::count(family.translations, state) > 0 && (!offsets || contains(*offsets, state)))
+    return true;
+  const auto output = std::ranges::find(family.outputs, state, &models::FamilyOutput::name);
+  const bool is_rate = output != family.outputs.end() && (output->unit == "rad/s" || output->unit == "1/s");
+  return options.starts.round_body && is_rate;
+}
+
+/// Initial values of which something is known, and what, in words.
+std::map<std::string, std::string> known_starts(const models::FamilyInfo& family, const FitOptions& options) {
+  constexpr std::string_view kInitial = "(0)";
+  std::map<std::string, std::string> found;
+  const auto add = [&](const std::string& name, const std::string& what) {
+    if (name.ends_with(kInitial)) found.emplace(name, what);
+  };
+  const auto add_held = [&](const std::string& name, const std::string& what) {
+    if (!is_any_time(family, name.substr(0, name.size() - std::min(name.size(), kInitial.size())), options))
+      add(name, what);
+  };
+  for (const auto& held : {options.unknowns.fixed, family.fixed}) {
+    for (const auto& [name, value] : held) add_held(name, fmt::format("is fixed at {:.6g}", value));
+  }
+  for (const auto& [name, known] : options.unknowns.known) add_held(name, "is known of each capture");
+  for (const std::string& name : options.unknowns.shared) add(name, "is one for all captures");
+  for (const auto& [name, prior] : options.priors.coordinates) {
+    if (!options.unknowns.known.contains(name)) add(name, "has a prior");
+  }
+  return found;
+}
+
 }  // namespace
+
+Warnings warnings_of_early_starts(const models::FamilyInfo& family, std::span<const Capture> captures,
+                                  const FitOptions& options) {
+  Warnings warnings;
+  if (options.compared.averaged_frames == 1) return warnings;
+  std::set<double> leads;
+  for (const Capture& capture : captures) {
+    if (capture.times.size() > 1)
+      leads.insert(0.5 * (options.compared.averaged_frames - 1) * median_interval(capture.times));
+  }
+  if (leads.empty()) return warnings;
+  std::string before = fmt::format("{:.3g}", *leads.begin());
+  const std::string most = fmt::format("{:.3g}", *leads.rbegin());
+  if (most != before) before += " to " + most;
+  for (const auto& [name, what] : known_starts(family, options)) {
+    warnings.add(WarningKind::model,
+                 fmt::format("{} {}: since frames are means of {}, it is taken for the value {} s before the "
+                             "first frame",
+                             name, what, options.compared.averaged_frames, before));
+  }
+  return warnings;
+}
 
 void add_segments(const models::FamilyInfo& family, std::span<const Capture> captures,
                   const FitOptions& options, FitProblem& problem) {

@@ -1,4 +1,4 @@
-#include "samara/identification/design/known_so_far.h"
+#include "samara/identification/problem/known_so_far.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/sobol_points.h"
+#include "samara/identification/statistics/cluster_errors.h"
 #include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
@@ -91,6 +92,17 @@ double error_of(const Coefficient& c, bool is_clustered) {
   return std::max(*c.standard_error, *c.naive_standard_error);
 }
 
+/// By how much Student's distribution is wider than a normal one, for an error of clusters.
+double student_widening(const FitResult& fitted, const Coefficient& c, bool is_clustered) {
+  constexpr double kUpper = 0.975;
+  const bool is_of_clusters =
+      has_error(c) && c.standard_error && (is_clustered || !c.naive_standard_error) && fitted.clusters >= 2;
+  if (!is_of_clusters) return 1.0;
+  const double clusters = c.effective_clusters.value_or(fitted.clusters);
+  const double freedom = error_degrees(clusters, fitted.clusters);
+  return student_quantile(freedom, kUpper) / normal_quantile(kUpper);
+}
+
 }  // namespace
 
 KnownSoFar known_so_far(const FitResult& fitted) {
@@ -104,6 +116,7 @@ KnownSoFar known_so_far(const FitResult& fitted) {
   known.lower.resize(count);
   known.upper.resize(count);
   known.errors.resize(count);
+  known.widened.resize(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const Coefficient& c = fitted.coefficients[static_cast<std::size_t>(k)];
     known.names.push_back(c.name);
@@ -112,6 +125,7 @@ KnownSoFar known_so_far(const FitResult& fitted) {
     known.lower[k] = c.lower;
     known.upper[k] = c.upper;
     known.errors[k] = error_of(c, known.is_clustered);
+    known.widened[k] = known.errors[k] * student_widening(fitted, c, known.is_clustered);
   }
   known.correlation = correlation_of(fitted);
   for (Eigen::Index k = 0; k < count; ++k) {

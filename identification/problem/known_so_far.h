@@ -14,9 +14,11 @@ struct KnownSoFar {
   std::vector<std::string> names = {};
   Eigen::VectorXd values, lower, upper;  ///< SI; of their boxes
   Eigen::VectorXd errors;                ///< standard deviations
-  Eigen::MatrixXd correlation;           ///< positive definite
-  std::vector<char> determined = {};     ///< else the deviation is that of the box
-  bool is_clustered = false;             ///< whether errors are those of the scatter between clusters
+  /// Those of clusters times t/1.96, with the quantile t of Student's distribution: two to either side hold 95 %.
+  Eigen::VectorXd widened;
+  Eigen::MatrixXd correlation;        ///< positive definite
+  std::vector<char> determined = {};  ///< else the deviation is that of the box
+  bool is_clustered = false;          ///< whether errors are those of the scatter between clusters
   double inflation = 1.0;  ///< variance from clusters over the naive one, the geometric mean; 1 or more
 
   /// coefficients x count: the values themselves, then quasi-random normal ones, pulled back into the box.
