@@ -316,8 +316,11 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
   if (c.met) verdict = is_of_time_alone(c, book) ? "met" : codebooks::verdict(book.build(), c);
   std::string text = fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {}\n", verdict,
                                  shown(c.max_error, "{:.3g}"), c.tolerance, spread_of(c, book));
-  if (unfinished)
-    text += fmt::format("  no point errs by more than was asked, but the builder ended with \"{}\"\n",
+  const bool is_of_builder = !c.met && book.build().status != Termination::converged &&
+                             c.failed_points == 0 && c.max_error <= c.tolerance;
+  if (is_of_builder)
+    text += fmt::format("  no point errs by more than was asked, but {} ended with \"{}\"\n",
+                        unfinished ? "the builder" : "points of the builder did: it",
                         to_string(book.build().status));
   if (c.failed_points > 0) {
     text += fmt::format("  {} points {}{}{}\n", c.failed_points,
