@@ -74,7 +74,7 @@ double fly_one_by_one(const std::vector<double>& x_0, const std::vector<double>&
       ramp[0] = t;
       for (int i = 0; i < 3; ++i) {
         ramp[1 + i] = air[i];
-        ramp[4 + i] = ramp[7 + i] = (next[i] - air[i]) / step;
+        ramp[4 + i] = (next[i] - air[i]) / step;
       }
       take_step(t, step, x, p.data());
       air = next;

@@ -32,7 +32,10 @@ struct FieldFlow {
       local.follow({position.x - S(place.x()), position.y - S(place.y()), position.z - S(place.z())}, *field,
                    time, place, here.gradient);
     }
-    return {local.velocity, local.rate + local.along(v), local.rate + local.along(local.velocity)};
+    return {.velocity = local.velocity,
+            .path_rate = local.rate + local.gradient.along(v),
+            .material_rate = local.rate + local.gradient.along(local.velocity),
+            .gradient = local.gradient};
   }
 
  private:
@@ -40,19 +43,15 @@ struct FieldFlow {
   template <class S>
   struct Local {
     Vector3<S> velocity, rate;
-    Vector3<S> gradient[3];  ///< columns: derivatives by x, y, z
+    Gradient<S> gradient;
 
     explicit Local(const AmbientSample& sample)
-        : velocity(constant(sample.velocity)), rate(constant(sample.rate)) {
-      for (int j = 0; j < 3; ++j) gradient[j] = constant(sample.gradient.col(j));
-    }
+        : velocity(constant(sample.velocity)),
+          rate(constant(sample.rate)),
+          gradient{constant(sample.gradient.col(0)), constant(sample.gradient.col(1)),
+                   constant(sample.gradient.col(2))} {}
 
     static Vector3<S> constant(const Eigen::Vector3d& u) { return {S(u.x()), S(u.y()), S(u.z())}; }
-
-    /// (v . grad) w_air
-    Vector3<S> along(const Vector3<S>& v) const {
-      return v.x * gradient[0] + v.y * gradient[1] + v.z * gradient[2];
-    }
 
     /// Adds the change over the way `offset` from `place`, which is zero but for its derivatives.
     void follow(const Vector3<S>& offset, const AmbientFlow& flow, double time, const Eigen::Vector3d& place,
@@ -69,10 +68,10 @@ struct FieldFlow {
         const double way = above[k] - below[k];
         velocity = velocity + offsets[k] * constant(slope.col(k));
         rate = rate + offsets[k] * constant((up.rate - down.rate) / way);
-        for (int j = 0; j < 3; ++j) {
-          gradient[j] =
-              gradient[j] + offsets[k] * constant((up.gradient.col(j) - down.gradient.col(j)) / way);
-        }
+        const Eigen::Matrix3d bend = (up.gradient - down.gradient) / way;
+        gradient.by_x = gradient.by_x + offsets[k] * constant(bend.col(0));
+        gradient.by_y = gradient.by_y + offsets[k] * constant(bend.col(1));
+        gradient.by_z = gradient.by_z + offsets[k] * constant(bend.col(2));
       }
     }
   };

@@ -31,11 +31,11 @@ class AmbientFlow {
   virtual double length() const = 0;
 };
 
-/// The model `immersed_body` (same states, parameters, force terms) in that flow, locally uniform over the
-/// body: the velocity at the body's origin enters drag, lift and added mass, and the accelerations D w_air/Dt
-/// and dw_air/dt + (v . grad) w_air enter as pressure gradient and inertia. Left out is -(grad w_air)^T M (v - w_air),
-/// which a gradient loads the added mass with: of a sphere in a shear the lift m_f/2 (w_air - v) x curl w_air
-/// (T. Auton, J. Hunt, M. Prud'homme, J. Fluid Mech. 197 (1988) 241).
+/// The model `immersed_body` (same states, parameters, force terms) in that flow, which changes little over the
+/// body: the velocity at the body's origin enters drag, lift and added mass, the accelerations D w_air/Dt and
+/// dw_air/dt + (v . grad) w_air enter as pressure gradient and inertia, and the gradient loads the added mass M
+/// with -(grad w_air)^T M (v - w_air): of a sphere in a shear the lift m_f/2 (w_air - v) x curl w_air (T. Auton,
+/// J. Hunt, M. Prud'homme, J. Fluid Mech. 197 (1988) 241).
 ///
 /// Its Jacobian takes the gradient that the flow supplies; second derivatives of the field, which the
 /// accelerations bring in, are central differences of gradient and rate with a step of 6e-6 length(): good to

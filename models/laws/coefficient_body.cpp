@@ -271,7 +271,8 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
     replace_in(text, "P x u + T", "P x u_r + T");
     replace_in(text, "(M_body + K) (u, w)", "(M_body + K) (u_r, w)");
     replace_in(text, "R^T (0, 0, -g);  T =",
-               "R^T (0, 0, -g) + displaced_mass R^T a_f - (mass + offset_mass) R^T dw_air/dt;  T =");
+               "R^T (0, 0, -g) + displaced_mass R^T a_f - (mass + offset_mass) R^T dw_air/dt - R^T W^T R "
+               "P_f;  T =");
     replace_in(text, "(mass r_c + offset_mass offset) x R^T (0, 0, -g)",
                "(mass r_c + offset_mass offset) x R^T ((0, 0, -g) - dw_air/dt)");
     replace_in(text, "(K1 w_x, K2 w_y, K3 w_z)", "(K1 w_rx, K2 w_ry, K3 w_rz)");

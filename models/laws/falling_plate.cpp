@@ -57,16 +57,17 @@ Parameters FallingPlate::parameters() {
 
 namespace {
 
-/// The plate in a fluid that accelerates: the equations of falling_plate for the velocity relative to it, with the
-/// pressure gradient and the inertia of that acceleration.
+/// The plate in a fluid that accelerates and changes by a gradient: the equations of falling_plate for the velocity
+/// relative to it, with the pressure gradient and the inertia of that acceleration, and what the gradient does to the
+/// added mass (gradient_force() of ambient_policies.h, in the plane).
 struct FallingPlateInGusts {
   static constexpr int kStates = kPlanarStates;
   enum Parameter {
     kStart = FallingPlate::kParameters,
     kGust,
     kRate = kGust + 2,
-    kMaterial = kRate + 2,
-    kSpin = kMaterial + 2,
+    kGradient = kRate + 2,  ///< xx, xy, yx, yy
+    kSpin = kGradient + 4,
     kParameters
   };
   /// The last one is that of the fluid's acceleration.
@@ -77,17 +78,21 @@ struct FallingPlateInGusts {
     info.name = "falling_plate_in_gusts";
     info.title = "Falling elliptic plate in its plane, in a fluid that changes in time, per unit span";
     info.equations =
-        "(m + m11) ux' = (m + m22) w uy - fluid_density G uy - (m - m_f) g sin(theta) - Fx + m_f "
-        "(gust_material_x cos(theta) + gust_material_y sin(theta)) - m (gust_rate_x cos(theta) + "
-        "gust_rate_y sin(theta)),  "
-        "(m + m22) uy' = -(m + m11) w ux + fluid_density G ux - (m - m_f) g cos(theta) - Fy + m_f "
-        "(gust_material_y cos(theta) - gust_material_x sin(theta)) - m (gust_rate_y cos(theta) - "
-        "gust_rate_x sin(theta)),  "
+        "(m + m11) ux' = (m + m22) w uy - fluid_density G uy - (m - m_f) g sin(theta) - Fx + Hx cos(theta) + "
+        "Hy sin(theta),  "
+        "(m + m22) uy' = -(m + m11) w ux + fluid_density G ux - (m - m_f) g cos(theta) - Fy + "
+        "Hy cos(theta) - Hx sin(theta),  "
         "(I + I_a) w' = (m11 - m22) ux uy - pi fluid_density a^4 (mu1 U/a + mu2 |w_r|) w_r,  theta' = w,  "
         "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
         "ux = vx - Wx cos(theta) - Wy sin(theta),  uy = vy + Wx sin(theta) - Wy cos(theta),  "
         "w_r = w - gust_spin,  Wx = gust_x + (t - gust_start) gust_rate_x,  "
         "Wy = gust_y + (t - gust_start) gust_rate_y,  "
+        "Hx = (m_f - m) gust_rate_x - gust_gradient_xx (m_f Sx + Qx) - gust_gradient_xy m_f Sy - "
+        "gust_gradient_yx Qy,  "
+        "Hy = (m_f - m) gust_rate_y - gust_gradient_yy (m_f Sy + Qy) - gust_gradient_yx m_f Sx - "
+        "gust_gradient_xy Qx,  "
+        "Sx = ux cos(theta) - uy sin(theta),  Sy = ux sin(theta) + uy cos(theta),  "
+        "Qx = m11 ux cos(theta) - m22 uy sin(theta),  Qy = m11 ux sin(theta) + m22 uy cos(theta),  "
         "G = (-2 C_T a ux uy/v + 2 C_R a^2 w_r)/(1 + Re_lift/Re),  "
         "(Fx, Fy) = fluid_density a (1 + Re_drag/Re) (A - B (ux^2 - uy^2)/v^2) v (ux, uy),  "
         "v = sqrt(ux^2 + uy^2 + speed_floor^2),  Re = 2 a v/nu,  "
@@ -95,7 +100,7 @@ struct FallingPlateInGusts {
         "I = m (a^2 + b^2)/4,  m11 = pi fluid_density b^2,  m22 = pi fluid_density a^2,  "
         "I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  b = semi_thickness";
     info.validity +=
-        ". The fluid is the same over the chord. Realisations (samara simulate --realisations) set the "
+        ". The fluid changes little over the chord. Realisations (samara simulate --realisations) set the "
         "gust step by step; by itself it is one ramp in time";
     info.symmetries = {"translation of x", "translation of y", "turn of the body by pi"};
     append(info.parameters,
@@ -104,14 +109,17 @@ struct FallingPlateInGusts {
             any_value("gust_y", "m/s", 0.0, "velocity of the fluid at gust_start, upward"),
             any_value("gust_rate_x", "m/s^2", 0.0, "its rate along the path of the plate"),
             any_value("gust_rate_y", "m/s^2", 0.0, "its rate along the path of the plate"),
-            any_value("gust_material_x", "m/s^2", 0.0, "its rate along the path of the fluid"),
-            any_value("gust_material_y", "m/s^2", 0.0, "its rate along the path of the fluid"),
+            any_value("gust_gradient_xx", "1/s", 0.0, "change of its x component along x"),
+            any_value("gust_gradient_xy", "1/s", 0.0, "change of its x component along y"),
+            any_value("gust_gradient_yx", "1/s", 0.0, "change of its y component along x"),
+            any_value("gust_gradient_yy", "1/s", 0.0, "change of its y component along y"),
             any_value("gust_spin", "rad/s", 0.0, "angular velocity of the fluid, in the sense of theta")});
     info.force_terms[kDissipation].description = "torque against the rotation relative to the fluid";
     info.force_terms.push_back({.name = "ambient acceleration",
                                 .description =
                                     "pressure gradient of the undisturbed fluid, less the mass times "
-                                    "the rate of its velocity along the path; takes or gives power"});
+                                    "the rate of its velocity along the path, and what its gradient does "
+                                    "to the added mass; takes or gives power"});
     return info;
   }
 
@@ -123,14 +131,19 @@ struct FallingPlateInGusts {
 
   template <class S>
   struct Air {
-    Along<S> velocity, rate, material;  ///< in body axes
+    Along<S> velocity, rate;  ///< in body axes
+    S xx, xy, yx, yy;         ///< the gradient in body axes
 
     Air(const S& t, const S& s, const S& c, const S* p) {
       const auto turned = [&](const S& X, const S& Y) { return Along<S>{X * c + Y * s, Y * c - X * s}; };
       const S dt = t - p[kStart];
       velocity = turned(p[kGust] + dt * p[kRate], p[kGust + 1] + dt * p[kRate + 1]);
       rate = turned(p[kRate], p[kRate + 1]);
-      material = turned(p[kMaterial], p[kMaterial + 1]);
+      const S* G = p + kGradient;
+      const Along<S> along_chord = turned(G[0] * c + G[1] * s, G[2] * c + G[3] * s);
+      const Along<S> along_normal = turned(G[1] * c - G[0] * s, G[3] * c - G[2] * s);
+      xx = along_chord.x, yx = along_chord.y;
+      xy = along_normal.x, yy = along_normal.y;
     }
   };
 
@@ -146,8 +159,12 @@ struct FallingPlateInGusts {
     const S area = S(std::numbers::pi) * p[FallingPlate::kSemiChord] * p[FallingPlate::kSemiThickness];
     const S mass = p[FallingPlate::kDensity] * area;
     const S displaced = p[FallingPlate::kFluidDensity] * area;
-    terms[kPlanarTerms] = {displaced * air.material.x - mass * air.rate.x,
-                           displaced * air.material.y - mass * air.rate.y};
+    const Along<S> material = {air.rate.x - air.xx * u.vx - air.xy * u.vy,
+                               air.rate.y - air.yx * u.vx - air.yy * u.vy};
+    const Along<S> impulse = {(plate.mass_x - mass) * u.vx, (plate.mass_y - mass) * u.vy};
+    terms[kPlanarTerms] = {
+        displaced * material.x - mass * air.rate.x - air.xx * impulse.x - air.yx * impulse.y,
+        displaced * material.y - mass * air.rate.y - air.xy * impulse.x - air.yy * impulse.y};
     return terms;
   }
 

@@ -53,8 +53,9 @@ std::vector<ForceTermInfo> force_terms() {
       {.name = "damping", .description = "of rotation"},
       {.name = "gravity and buoyancy", .description = "weight at the origin, buoyancy at r_b"},
       {.name = "ambient acceleration",
-       .description = "pressure gradient of the undisturbed fluid, m_f D w_air/Dt at r_b, "
-                      "less m times the rate of w_air along the path"},
+       .description =
+           "pressure gradient of the undisturbed fluid, m_f D w_air/Dt at r_b, "
+           "less m times the rate of w_air along the path, and -R^T W^T R M u_r by its gradient W"},
   };
 }
 
@@ -63,7 +64,7 @@ std::vector<ForceTermInfo> force_terms() {
 ModelInfo ImmersedBody::info() {
   ModelInfo info;
   info.equations =
-      "(m + M) u_r' = ((m + M) u_r) x w + F + R^T (m_f Dw_air/Dt - m dw_air/dt);  "
+      "(m + M) u_r' = ((m + M) u_r) x w + F + R^T (m_f Dw_air/Dt - m dw_air/dt - W^T R M u_r);  "
       "(I + J) w' = ((I + J) w) x w + kappa (M u_r) x u_r + T;  "
       "u' = u_r' + d(R^T w_air)/dt;  "
       "(x, y, z)' = R u;  "
@@ -94,7 +95,7 @@ ModelInfo ImmersedBody::info() {
       "rho = fluid_density;  "
       "m = mass;  "
       "m_f = displaced_mass;  "
-      "dw_air/dt along the path of the body, Dw_air/Dt along that of the fluid";
+      "dw_air/dt along the path of the body, Dw_air/Dt along that of the fluid, W the gradient of w_air";
   info.frames =
       "world: z up; body: origin at the centre of mass, axes the principal ones, z the normal of the "
       "plate. x, y, z in the world; q turns body into world; u and w along body axes";

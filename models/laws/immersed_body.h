@@ -12,10 +12,11 @@
 /// and L = (I + J) w (M, J the added mass and inertia, diagonal in body axes),
 ///
 ///   dP_r/dt = P_r x w                      + F + m_f R^T Dw_air/Dt - m R^T (dw_air/dt + (v . grad) w_air)
+///                                              - R^T (grad w_air)^T R M u_r
 ///   dL/dt   = L x w + kappa (M u_r) x u_r  + T + m_f r_b x R^T Dw_air/Dt
 ///
 /// which is Kirchhoff's equation for P = m u + M u_r, so that a steady uniform wind only carries the motion
-/// along. F and T: quasi_steady_forces.h, gravity and buoyancy.
+/// along. F and T: quasi_steady_forces.h, gravity and buoyancy. The last force: gradient_force().
 namespace samara::models::laws {
 
 struct ImmersedBody : EllipsoidBody {
@@ -61,7 +62,7 @@ struct ImmersedBody : EllipsoidBody {
             .Re = reynolds_speeds(p[kReDrag], p[kReLift], p[kNu], S(2.0) * p[kA])};
   }
 
-  template <class S>
+  template <class Flow, class S>
   static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const Vector3<S>& u_r, const Vector3<S>& w_r,
                                            const Ambient<S>& ambient, const S* p) {
     const QuasiSteadyLoads<S> flow = quasi_steady_loads(quasi_steady(p), u_r, w_r);
@@ -75,7 +76,9 @@ struct ImmersedBody : EllipsoidBody {
         gravity_and_buoyancy(pose.R, p[kMass], p[kDisplacedMass], vector3(p + kBuoyancyCentre), p[kG]);
     const Vector3<S> pressure =
         p[kDisplacedMass] * pose.R.to_body(ambient.material_rate);  // at r_b, as buoyancy
-    all[kAmbient] = {pressure - p[kMass] * pose.R.to_body(ambient.path_rate),
+    const Vector3<S> impulse = diagonal_times(vector3(p + kAddedMass), u_r);
+    all[kAmbient] = {pressure - p[kMass] * pose.R.to_body(ambient.path_rate) +
+                         gradient_force<Flow>(pose.R, impulse, ambient),
                      cross(vector3(p + kBuoyancyCentre), pressure)};
     return all;
   }
@@ -93,7 +96,7 @@ struct ImmersedBody : EllipsoidBody {
     const Vector3<S> w_air = pose.R.to_body(air.velocity);
     const Vector3<S> w_r = relative_rate<Flow>(pose.R, pose.w, air);
     Load<S> sum;
-    for (const Load<S>& load : loads(pose, pose.u - w_air, w_r, air, p)) sum = sum + load;
+    for (const Load<S>& load : loads<Flow>(pose, pose.u - w_air, w_r, air, p)) sum = sum + load;
     pose_rates(pose, x, dxdt);
     const Vector3<S> u_r_rate = diagonal_solve(total_mass(p), sum.force);
     store(u_r_rate + pose.R.to_body(air.path_rate) + cross(w_air, pose.w), dxdt + kUx);
@@ -106,7 +109,7 @@ struct ImmersedBody : EllipsoidBody {
     const Ambient<S> air = ambient(flow, pose, t, x, p);
     const Vector3<S> u_r = pose.u - pose.R.to_body(air.velocity);
     const Vector3<S> w_r = relative_rate<Flow>(pose.R, pose.w, air);
-    const std::array<Load<S>, kTerms> all = loads(pose, u_r, w_r, air, p);
+    const std::array<Load<S>, kTerms> all = loads<Flow>(pose, u_r, w_r, air, p);
     for (std::size_t k = 0; k < all.size(); ++k) terms[k] = wrench(all[k], u_r, pose.w);
   }
 

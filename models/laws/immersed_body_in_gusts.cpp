@@ -29,9 +29,10 @@ ModelInfo ImmersedBodyIn<GustRamp>::info() const {
   info.equations +=
       ";  w_r = w - R^T (gust_spin_x, gust_spin_y, gust_spin_z);  "
       "w_air = (gust_x, gust_y, gust_z) + (t - gust_start) (gust_rate_x, gust_rate_y, gust_rate_z);  "
-      "Dw_air/Dt is (gust_material_x, gust_material_y, gust_material_z)";
+      "Dw_air/Dt is (gust_rate_x, gust_rate_y, gust_rate_z) - W R u_r;  "
+      "W has the rows (gust_gradient_xx, gust_gradient_xy, gust_gradient_xz) and so on";
   info.validity +=
-      "; a fluid that is the same over the length of the body. Realisations (samara simulate "
+      "; the fluid changes little over the length of the body. Realisations (samara simulate "
       "--realisations) set the gust step by step; by itself it is one ramp in time";
   // No rotation about z: the gust would have to turn with the state.
   info.symmetries = translations();

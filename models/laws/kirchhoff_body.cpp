@@ -152,8 +152,8 @@ struct KirchhoffBody : SpatialBody<KirchhoffBody> {
     std::string& text = info.equations;
     replace_in(text, "P x u + T", "P x u_r + T");
     replace_in(text, "(M_body + K) (u, w)", "(M_body + K) (u_r, w)");
-    replace_in(text,
-               "R^T (0, 0, -g);  T =", "R^T (0, 0, -g) + displaced_mass R^T a_f - mass R^T dw_air/dt;  T =");
+    replace_in(text, "R^T (0, 0, -g);  T =",
+               "R^T (0, 0, -g) + displaced_mass R^T a_f - mass R^T dw_air/dt - R^T W^T R P_f;  T =");
     replace_in(text, "(mass r_c - displaced_mass r_b) x R^T (0, 0, -g)",
                "mass r_c x R^T ((0, 0, -g) - dw_air/dt) - displaced_mass r_b x R^T ((0, 0, -g) - a_f)");
     text += kGustEquations;

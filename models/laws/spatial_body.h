@@ -63,14 +63,15 @@ struct PlacedMasses {
   Vector3<S> moment, displaced_moment;  ///< mass times centre [kg m]
 };
 
-/// A law of SpatialBody in a fluid that moves with W(t), the same over the body. With u_r = u - R^T W and
-/// (P, L) = (M_body + K) (u_r, w),
+/// A law of SpatialBody in a fluid that moves with W(t) and changes by the gradient G about the body. With
+/// u_r = u - R^T W, (P, L) = (M_body + K) (u_r, w) and (P_f, L_f) = K (u_r, w),
 ///
-///   dP/dt = P x w             + F + m_f R^T DW/Dt - m R^T dW/dt
+///   dP/dt = P x w             + F + m_f R^T DW/Dt - m R^T dW/dt - R^T G^T R P_f
 ///   dL/dt = L x w + P x u_r   + T + m_f r_b x R^T DW/Dt - m r_c x R^T dW/dt
 ///
 /// which is Kirchhoff's equation for M_body (u, w) + K (u_r, w): what W turns with cancels by Jacobi's identity. F
-/// and T are those of the law at u_r, and what damps rotation is at w_r = w - R^T gust_spin. The Law gives as well
+/// and T are those of the law at u_r, and what damps rotation is at w_r = w - R^T gust_spin; the force by G:
+/// gradient_force(). The Law gives as well
 ///
 ///   template <class S> static PlacedMasses<S> masses(const S* p);
 ///   static void say_gusts(ModelInfo& info);  // title and equations with W
@@ -84,21 +85,24 @@ struct SpatialBodyInGusts {
     ModelInfo info = Law::info();
     info.name += "_in_gusts";
     info.validity +=
-        "; a fluid that is the same over the length of the body. Realisations (samara simulate "
+        "; the fluid changes little over the length of the body. Realisations (samara simulate "
         "--realisations) set the gust step by step; by itself it is one ramp in time";
     // No rotation about z: the gust would have to turn with the state.
     info.symmetries = translations();
     append(info.parameters, GustRamp::parameters());
     info.force_terms.push_back({.name = "ambient acceleration",
-                                .description = "pressure gradient of the undisturbed fluid, m_f D w_air/Dt, "
-                                               "less m times the rate of w_air along the path"});
+                                .description =
+                                    "pressure gradient of the undisturbed fluid, m_f D w_air/Dt, "
+                                    "less m times the rate of w_air along the path, and -R^T W^T R P_f by "
+                                    "its gradient W"});
     Law::say_gusts(info);
     return info;
   }
 
   template <class S>
   static Ambient<S> air_at(const S& t, const S* x, const S* p) {
-    return GustRamp().at(t, vector3(x + kPosition), vector3(x + kUx), p + kGust);
+    const Pose<S> pose(x);
+    return GustRamp().at(t, vector3(x + kPosition), pose.R.to_world(pose.u), p + kGust);
   }
 
   /// The pose as the fluid sees it: velocities relative to it.
@@ -118,8 +122,11 @@ struct SpatialBodyInGusts {
     for (std::size_t k = 0; k < still.size(); ++k) all[k] = still[k];
     const PlacedMasses<S> masses = Law::masses(p);
     const Vector3<S> material = pose.R.to_body(air.material_rate), path = pose.R.to_body(air.path_rate);
-    all[still.size()] = {masses.displaced * material - masses.mass * path,
-                         cross(masses.displaced_moment, material) - cross(masses.moment, path)};
+    const Vector3<S> of_body = masses.mass * pose.u + cross(pose.w, masses.moment);
+    const Vector3<S> impulse = inertia.momentum(pose.u, pose.w).force - of_body;
+    all[still.size()] = {
+        masses.displaced * material - masses.mass * path + gradient_force<GustRamp>(pose.R, impulse, air),
+        cross(masses.displaced_moment, material) - cross(masses.moment, path)};
     return all;
   }
 
@@ -171,8 +178,10 @@ inline void replace_in(std::string& text, const std::string& old, const std::str
 
 /// What all these equations end with.
 inline constexpr const char* kGustEquations =
-    ";  u_r = u - R^T w_air;  w_r = w - R^T (gust_spin_x, gust_spin_y, gust_spin_z);  "
+    ";  u_r = u - R^T w_air;  (P_f, L_f) = K (u_r, w);  w_r = w - R^T (gust_spin_x, gust_spin_y, "
+    "gust_spin_z);  "
     "w_air = (gust_x, gust_y, gust_z) + (t - gust_start) (gust_rate_x, gust_rate_y, gust_rate_z);  "
-    "a_f = (gust_material_x, gust_material_y, gust_material_z)";
+    "a_f = (gust_rate_x, gust_rate_y, gust_rate_z) - W R u_r;  "
+    "W has the rows (gust_gradient_xx, gust_gradient_xy, gust_gradient_xz) and so on";
 
 }  // namespace samara::models::laws

@@ -6,7 +6,7 @@ namespace samara::models::laws {
 namespace {
 
 /// Kirchhoff's equation for a sphere in a fluid that accelerates: with v_r = v - w_air,
-///   (m + m_a) v_r' = F(v_r) + m_f Dw_air/Dt - m dw_air/dt.
+///   (m + m_a) v_r' = F(v_r) + m_f Dw_air/Dt - m dw_air/dt - m_a (grad w_air)^T v_r.
 struct SphereFlightInGusts {
   static constexpr int kStates = SphereFlight::kStates;
   static constexpr int kGust = SphereFlight::kParameters;
@@ -19,22 +19,26 @@ struct SphereFlightInGusts {
     info.title = "Spinning sphere in flight, in a fluid that changes in time";
     info.equations =
         "(m + m_a) v_r' = -1/2 rho A (C_D (1 + Re_drag/Re) + spin_drag S) V v_r + 1/2 rho A C_M r w_r x "
-        "v_r/(1 + magnus_saturation S) + (m - m_f) (0, 0, -g) + m_f a_f - m dw_air/dt;  v_r = v - w_air;  "
+        "v_r/(1 + magnus_saturation S) + (m - m_f) (0, 0, -g) + m_f a_f - m dw_air/dt - m_a W^T v_r;  "
+        "v_r = v - w_air;  "
         "(x, y, z)' = v;  w' = -spin_decay w_r;  w_r = w - (gust_spin_x, gust_spin_y, gust_spin_z);  "
         "V = sqrt(|v_r|^2 + speed_floor^2);  S = sqrt(r^2 |w_r|^2 + speed_floor^2)/V;  "
         "Re = diameter V/nu;  A = pi r^2;  r = diameter/2;  rho = fluid_density;  m = mass;  "
         "m_a = added_mass;  m_f = displaced_mass;  "
         "w_air = (gust_x, gust_y, gust_z) + (t - gust_start) (gust_rate_x, gust_rate_y, gust_rate_z);  "
-        "a_f = (gust_material_x, gust_material_y, gust_material_z)";
+        "a_f = (gust_rate_x, gust_rate_y, gust_rate_z) - W v_r;  "
+        "W has the rows (gust_gradient_xx, gust_gradient_xy, gust_gradient_xz) and so on";
     info.validity +=
-        ". A fluid that is the same over the diameter. Realisations (samara simulate --realisations) set "
+        ". The fluid changes little over the diameter. Realisations (samara simulate --realisations) set "
         "the gust step by step; by itself it is one ramp in time";
     // No rotation about z: the gust would have to turn with the state.
     info.symmetries = translations();
     append(info.parameters, GustRamp::parameters());
     info.force_terms.push_back({.name = "ambient acceleration",
-                                .description = "pressure gradient of the undisturbed fluid, m_f D w_air/Dt, "
-                                               "less m times the rate of w_air along the path"});
+                                .description =
+                                    "pressure gradient of the undisturbed fluid, m_f D w_air/Dt, "
+                                    "less m times the rate of w_air along the path, and -m_a W^T v_r "
+                                    "by its gradient W"});
     return info;
   }
 
@@ -49,8 +53,9 @@ struct SphereFlightInGusts {
     const std::array<Load<S>, SphereFlight::kTerms> still = SphereFlight::loads(v_r, w_r, p);
     std::array<Load<S>, kTerms> all;
     for (std::size_t k = 0; k < still.size(); ++k) all[k] = still[k];
-    all[kAmbient].force =
-        p[SphereFlight::kDisplacedMass] * air.material_rate - p[SphereFlight::kMass] * air.path_rate;
+    all[kAmbient].force = p[SphereFlight::kDisplacedMass] * air.material_rate -
+                          p[SphereFlight::kMass] * air.path_rate -
+                          p[SphereFlight::kAddedMass] * air.gradient.transposed_times(v_r);
     return all;
   }
 

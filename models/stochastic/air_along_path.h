@@ -48,7 +48,8 @@ struct AirSeen {
   /// Of the fluid [m/s]. Of this and of `rotation` a body takes what it can move by.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   /// gradient(i, j) = d velocity_i/d x_j in the middle of the step, as far as it is known (the mean, and the
-  /// deviation of the gusts) [1/s]: by it the acceleration along the fluid's path differs from that along the body's.
+  /// deviation of the gusts) [1/s]: by it the acceleration along the fluid's path differs from that along the body's,
+  /// and it loads the added mass.
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< angular velocity of a rotational gust [rad/s]
   /// In which the air changes along the path [s]: steps should be shorter than a tenth of it

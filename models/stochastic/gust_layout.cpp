@@ -36,16 +36,18 @@ std::vector<int> groups_of(const ModelInfo& info, StateGroupKind kind) {
 }
 
 std::vector<std::string> gust_names(bool in_plane) {
+  const std::string axes = in_plane ? "xy" : "xyz";
   std::vector<std::string> names = {"gust_start"};
-  for (const char* of : {"gust_", "gust_rate_", "gust_material_"}) {
-    for (const char* axis : {"x", "y", "z"}) {
-      if (!in_plane || axis[0] != 'z') names.push_back(std::string(of) + axis);
-    }
+  for (const char* of : {"gust_", "gust_rate_"}) {
+    for (const char axis : axes) names.push_back(std::string(of) + axis);
+  }
+  for (const char of : axes) {
+    for (const char along : axes) names.push_back(std::string("gust_gradient_") + of + along);
   }
   if (in_plane) {
     names.emplace_back("gust_spin");
   } else {
-    for (const char* axis : {"x", "y", "z"}) names.push_back(std::string("gust_spin_") + axis);
+    for (const char axis : axes) names.push_back(std::string("gust_spin_") + axis);
   }
   return names;
 }
@@ -102,7 +104,7 @@ Eigen::Matrix3d GustLayout::follows(const Model& model, std::span<const double> 
   read([&](int i) { return x[static_cast<std::size_t>(i)]; }, motion);
   const auto acceleration = [&](const Eigen::Vector3d& rate) {
     write([&](int j, double value) { p.value[static_cast<std::size_t>(j)] = value; }, 0.0,
-          Eigen::Vector3d::Zero(), rate, rate, Eigen::Vector3d::Zero());
+          Eigen::Vector3d::Zero(), rate);
     std::vector<double> f(states);
     model.rhs(0.0, x, p, f);
     Eigen::Vector3d change = Eigen::Vector3d::Zero();

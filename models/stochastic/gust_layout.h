@@ -19,11 +19,14 @@ inline constexpr std::string_view kNotDrag[] = {"inertia", "gravity and buoyancy
 /// How gusts reach a model: by parameters of these names, and states of these kinds. A law of one's own that has them
 /// flies through gusts like those of Samara.
 ///
-///   in space   gust_start, gust_{x,y,z}, gust_rate_{x,y,z}, gust_material_{x,y,z}, gust_spin_{x,y,z}
+///   in space   gust_start, gust_{x,y,z}, gust_rate_{x,y,z}, gust_gradient_{xx,xy,..,zz}, gust_spin_{x,y,z}
 ///              with a group of states `position`, and either a quaternion and velocities u, w in body axes after it,
 ///              or two vectors, v and w
-///   in a plane gust_start, gust_{x,y}, gust_rate_{x,y}, gust_material_{x,y}, gust_spin
+///   in a plane gust_start, gust_{x,y}, gust_rate_{x,y}, gust_gradient_{xx,xy,yx,yy}, gust_spin
 ///              with the states vx, vy, w, theta, x, y of falling_plate, y upward
+///
+/// The rate is that along the path of the body; along the path of the fluid it is rate + gradient (gust - v), with
+/// gradient_xy the change of the component x along y.
 ///
 /// In the world of the flow a plane is that of x and z. Of a law's force terms those of the names in kNotDrag are not
 /// counted as drag, where the time in which the body takes up a gust is needed.
@@ -59,7 +62,8 @@ class GustLayout {
   /// Sets the ramp of one step: set(parameter, value).
   template <class Set>
   void write(const Set& set, double start, const Eigen::Vector3d& velocity, const Eigen::Vector3d& rate,
-             const Eigen::Vector3d& material, const Eigen::Vector3d& spin) const;
+             const Eigen::Matrix3d& gradient = Eigen::Matrix3d::Zero(),
+             const Eigen::Vector3d& spin = Eigen::Vector3d::Zero()) const;
 
   /// BodyOnPath::follows in body axes, from the accelerations that the model gives for unit rates of the air.
   /// @param p complete, all given
@@ -104,13 +108,19 @@ void GustLayout::read(const State& state, BodyOnPath& motion) const {
 
 template <class Set>
 void GustLayout::write(const Set& set, double start, const Eigen::Vector3d& velocity,
-                       const Eigen::Vector3d& rate, const Eigen::Vector3d& material,
+                       const Eigen::Vector3d& rate, const Eigen::Matrix3d& gradient,
                        const Eigen::Vector3d& spin) const {
   std::size_t next = 0;
+  const auto is_seen = [this](int axis) { return axis != 1 || space_ != Space::plane; };
   set(parameters_[next++], start);
-  for (const Eigen::Vector3d* vector : {&velocity, &rate, &material}) {
+  for (const Eigen::Vector3d* vector : {&velocity, &rate}) {
     for (int i = 0; i < 3; ++i) {
-      if (i != 1 || space_ != Space::plane) set(parameters_[next++], (*vector)[i]);
+      if (is_seen(i)) set(parameters_[next++], (*vector)[i]);
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (is_seen(i) && is_seen(j)) set(parameters_[next++], gradient(i, j));
     }
   }
   // theta turns from x to z, the axis y of the world the other way.

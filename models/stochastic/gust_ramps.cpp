@@ -115,14 +115,7 @@ bool GustRamps::set_some(Eigen::Index lane, double t, double h, const AirsSeen& 
   const Vector3<S> next = chosen(is_inside, diagonal_times(for_all<S>(bodies.axes), velocity), air);
   const Vector3<S> change = next - air;
   const Vector3<S> rate = S(1.0 / h) * change;
-  // In the middle of the step, or the advection would be right to first order only.
-  const Vector3<S> followed = followed_of(R, bodies.follows, change);
-  const Vector3<S> relative = air - of_rows<S>(bodies.velocity, lane) +
-                              S(0.5) * (change - followed - S(h) * of_rows<S>(bodies.acceleration, lane));
-  const Vector3<S> advected = rotation_of<S>(seen.gradient, lane).to_world(relative);
-  const Vector3<S> none;
-  const Vector3<S> material = rate + chosen(is_inside, advected, none);
-  to_rows(followed, followed_, lane);
+  to_rows(followed_of(R, bodies.follows, change), followed_, lane);
   to_rows(next, bodies.air, lane);
 
   const std::ptrdiff_t left = width_ - lane;
@@ -130,10 +123,19 @@ bool GustRamps::set_some(Eigen::Index lane, double t, double h, const AirsSeen& 
   const auto write = [&](const S& value) { store_some(value, flown.parameters(*parameter++) + lane, left); };
   const bool is_plane = layout_.space() == GustLayout::Space::plane;
   write(S(t));
-  for (const Vector3<S>* vector : {&air, &rate, &material}) {
-    write(vector->x);
-    if (!is_plane) write(vector->y);
-    write(vector->z);
+  const auto write_vector = [&](const Vector3<S>& vector) {
+    write(vector.x);
+    if (!is_plane) write(vector.y);
+    write(vector.z);
+  };
+  write_vector(air);
+  write_vector(rate);
+  // Of component i along axis j, column after column in a row of `seen`.
+  for (const Eigen::Index i : {0, 1, 2}) {
+    const auto along = [&](Eigen::Index j) {
+      return chosen(is_inside, of_row<S>(seen.gradient, lane, 3 * j + i), S(0.0));
+    };
+    if (!is_plane || i != 1) write_vector({along(0), along(1), along(2)});
   }
   const Vector3<S> spin = of_rows<S>(seen.rotation, lane);
   // theta turns from x to z, the axis y of the world the other way.

@@ -21,9 +21,8 @@ ResponseTime::ResponseTime(const ParametricModel& model, std::span<const double>
 double ResponseTime::operator()(const Lanes& lanes, int lane, double t, const Eigen::Vector3d& air) {
   if (terms_.empty()) return 0.0;
   lanes.read(lane, x_);
-  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
-  layout_.write([&](int j, double value) { p_.value[static_cast<std::size_t>(j)] = value; }, t, air, none,
-                none, none);
+  layout_.write([&](int j, double value) { p_.value[static_cast<std::size_t>(j)] = value; }, t, air,
+                Eigen::Vector3d::Zero());
   model_.forces(t, x_, p_, terms_);
   const std::vector<int>& rotation = layout_.rotation();
   double power = 0.0;

@@ -100,11 +100,19 @@ class AirInWind final : public AirAlongPath {
     highest_ = modes->options().highest;
   }
 
-  AirSeen start(const BodyOnPath& body) override { return seen(body, body.t, body.position); }
+  AirSeen start(const BodyOnPath& body) override {
+    AirSeen air = seen(body, body.t, body.position);
+    gradient_ = air.gradient;
+    return air;
+  }
   AirSeen step(const BodyOnPath& body, double h) override {
     // The wind is smooth: on the way to where it will be the body goes by the change of the air in the step before.
     AirSeen air = seen(body, body.t + h, body.position_after(h, h * rate_));
     rate_ = (air.velocity - body.air) / h;
+    // That in the middle of the step, to second order.
+    const Eigen::Matrix3d end = air.gradient;
+    air.gradient = 0.5 * (gradient_ + end);
+    gradient_ = end;
     return air;
   }
 
@@ -130,6 +138,7 @@ class AirInWind final : public AirAlongPath {
   Eigen::Vector2d semi_axes_;
   Eigen::Vector3d convection_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_ = Eigen::Vector3d::Zero();  ///< of the air along the path, in the step before [m/s^2]
+  Eigen::Matrix3d gradient_ = Eigen::Matrix3d::Zero();  ///< where the next step begins [1/s]
   double sweeping_ = 0.0;
   double highest_ = 0.0;  ///< 0: there are no modes
 };

@@ -30,10 +30,8 @@ void AirAboutBodies::tell(Eigen::Index n, double t, double h, std::span<const do
   const models::AmbientSample& now = air(n).now;
   air(n).carried += h * now.velocity;
   const Eigen::Vector3d rate = now.rate + now.gradient * motion_of(state).velocity;
-  const Eigen::Vector3d material = now.rate + now.gradient * now.velocity;
   std::size_t next = 0;
-  gusts_.write([&](int, double value) { values[next++] = value; }, t, now.velocity, rate, material,
-               Eigen::Vector3d::Zero());
+  gusts_.write([&](int, double value) { values[next++] = value; }, t, now.velocity, rate, now.gradient);
 }
 
 void AirAboutBodies::carry(double t, std::span<double> state) const {

@@ -43,6 +43,13 @@ inline Eigen::Quaterniond random_attitude(std::mt19937& random) {
   return Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
+/// The values, and in their place or beside them more of them.
+inline std::map<std::string, double> joined(std::map<std::string, double> values,
+                                            const std::map<std::string, double>& more) {
+  for (const auto& [name, value] : more) values[name] = value;
+  return values;
+}
+
 /// Values of all parameters, complete, for calls to a Model.
 inline samara::models::ParameterValues parameter_values(const samara::models::Model& model,
                                                         const std::map<std::string, double>& values) {

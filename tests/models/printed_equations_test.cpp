@@ -98,9 +98,12 @@ struct Words {
 const std::map<std::string, printed::Supplied> kEllipsoid = {
     {"R", turn}, {"M", diagonal("M")}, {"I", diagonal("I")}, {"J", diagonal("J")}};
 
-Words in_ambient_flow(const printed::Supplied& material_rate) {
-  Words words{{"dw_air/dt along the path of the body, Dw_air/Dt along that of the fluid"}, kEllipsoid};
+Words in_ambient_flow(const printed::Supplied& material_rate, const printed::Supplied& gradient) {
+  Words words{
+      {"dw_air/dt along the path of the body, Dw_air/Dt along that of the fluid, W the gradient of w_air"},
+      kEllipsoid};
   words.supplied["Dw_air/Dt"] = material_rate;
+  words.supplied["W"] = gradient;
   return words;
 }
 
@@ -149,33 +152,52 @@ Quantity rate_of_linear_wind(Equations& e) {
   return constant(Eigen::Vector3d(up * e.lookup("shear_x").number(), up * e.lookup("shear_y").number(), 0.0));
 }
 
+Quantity gradient_of_linear_wind(Equations& e) {
+  Eigen::Matrix3d W = Eigen::Matrix3d::Zero();
+  W.col(2) << e.lookup("shear_x").number(), e.lookup("shear_y").number(), 0.0;
+  return constant(W);
+}
+
 /// Rates are taken at t = 0.
 Quantity time_itself(Equations&) {
   return {0.0, 1.0};
 }
 
-Quantity material_rate_of_gust(Equations& e) {
-  const auto at = [&](const char* axis) { return e.lookup(std::string("gust_material_") + axis).number(); };
-  return constant(Eigen::Vector3d(at("x"), at("y"), at("z")));
+Quantity gradient_of_gust(Equations& e) {
+  Eigen::Matrix3d W;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j)
+      W(i, j) = e.lookup(std::string("gust_gradient_") + "xyz"[i] + "xyz"[j]).number();
+  }
+  return constant(W);
+}
+
+/// What gusts in space say in words.
+void add_gust(Words& words) {
+  words.prose.insert("W has the rows (gust_gradient_xx, gust_gradient_xy, gust_gradient_xz) and so on");
+  words.supplied["W"] = gradient_of_gust;
+  words.supplied["t"] = time_itself;
 }
 
 /// A change of these clauses must be followed by a change here.
 Words words_of(const std::string& model) {
   if (model == "immersed_body") {
-    return in_ambient_flow([](Equations&) { return constant(Eigen::Vector3d::Zero()); });
+    return in_ambient_flow([](Equations&) { return constant(Eigen::Vector3d::Zero()); },
+                           [](Equations&) { return constant(Eigen::Matrix3d::Zero()); });
   }
-  if (model == "immersed_body_in_wind") return in_ambient_flow(rate_of_linear_wind);
+  if (model == "immersed_body_in_wind") return in_ambient_flow(rate_of_linear_wind, gradient_of_linear_wind);
   if (model == "immersed_body_in_gusts") {
-    Words words = in_ambient_flow(material_rate_of_gust);
-    words.prose.insert("Dw_air/Dt is (gust_material_x, gust_material_y, gust_material_z)");
-    words.supplied["t"] = time_itself;
+    const std::string material_rate = "(gust_rate_x, gust_rate_y, gust_rate_z) - W R u_r";
+    Words words = in_ambient_flow([=](Equations& e) { return e.evaluate(material_rate); }, {});
+    words.prose.insert("Dw_air/Dt is " + material_rate);
+    add_gust(words);
     return words;
   }
-  if (model == "falling_plate_in_gusts" || model == "sphere_flight_in_gusts")
-    return {{}, {{"t", time_itself}}};
-  if (model == "coefficient_body_in_gusts" || model == "kirchhoff_body_in_gusts") {
+  if (model == "falling_plate_in_gusts") return {{}, {{"t", time_itself}}};
+  if (model == "sphere_flight_in_gusts" || model == "coefficient_body_in_gusts" ||
+      model == "kirchhoff_body_in_gusts") {
     Words words = words_of(model.substr(0, model.find("_in_gusts")));
-    words.supplied["t"] = time_itself;
+    add_gust(words);
     return words;
   }
   if (model == "immersed_body_with_wake") return {{}, kEllipsoid};

@@ -117,9 +117,10 @@ std::shared_ptr<const Model> written_plate() {
     const std::string of = axis;
     gust("gust_" + of, "m/s");
     gust("gust_rate_" + of, "m/s^2");
-    gust("gust_material_" + of, "m/s^2");
+    gust("gust_gradient_" + of + "x", "1/s");
+    gust("gust_gradient_" + of + "y", "1/s");
     plate.rates.push_back("drag*(gust_" + of + " + gust_rate_" + of + "*(t - gust_start) - v" + of +
-                          ") + 0*gust_material_" + of);
+                          ") + 0*v" + of + "*(gust_gradient_" + of + "x + gust_gradient_" + of + "y)");
   }
   gust("gust_spin", "1/s");
   plate.rates.insert(plate.rates.end(), {"0*drag*gust_spin", "w", "vx", "vy"});

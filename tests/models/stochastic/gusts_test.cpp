@@ -26,19 +26,12 @@ const Parameters kLeaf = {{"a", 0.035},   {"b", 0.02},   {"c", 1e-4},   {"densit
 const Parameters kPlate = {{"semi_chord", 0.02}, {"semi_thickness", 0.002}, {"density", 1500.0}, {"mu1", 0.0},
                            {"mu2", 0.2},         {"speed_floor", 1e-4}};
 
-Parameters joined(Parameters values, const Parameters& more) {
-  for (const auto& [name, value] : more) values[name] = value;
-  return values;
-}
-
-Parameters ramp(const Eigen::Vector3d& velocity, const Eigen::Vector3d& rate,
-                const Eigen::Vector3d& material) {
+Parameters ramp(const Eigen::Vector3d& velocity, const Eigen::Vector3d& rate) {
   Parameters values;
   const char* axes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
     values[std::string("gust_") + axes[i]] = velocity[i];
     values[std::string("gust_rate_") + axes[i]] = rate[i];
-    values[std::string("gust_material_") + axes[i]] = material[i];
   }
   return values;
 }
@@ -115,9 +108,8 @@ TEST_CASE("a body in a ramp of gusts moves as in a flow that accelerates") {
   start.w = {3.0, -2.0, 1.0};
   const Eigen::MatrixXd in_flow =
       motion(immersed_body_in(std::make_shared<Accelerating>()), kLeaf, start, times);
-  const Eigen::MatrixXd in_gusts =
-      motion(find_model("immersed_body_in_gusts"), joined(kLeaf, ramp(flow.velocity, flow.rate, flow.rate)),
-             start, times);
+  const Eigen::MatrixXd in_gusts = motion(find_model("immersed_body_in_gusts"),
+                                          joined(kLeaf, ramp(flow.velocity, flow.rate)), start, times);
   CHECK((in_flow - in_gusts).cwiseAbs().maxCoeff() < 1e-8);
 }
 
@@ -178,7 +170,7 @@ TEST_CASE(
     // The same velocity relative to the fluid at the start.
     const auto turn = [](const auto& q) { return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(); };
     const Eigen::Vector3d told = turn(std::array{0.2, 0.9, -0.3, 0.1}).conjugate() * stream;
-    Parameters moved = joined(values, ramp(stream, up, up));
+    Parameters moved = joined(values, ramp(stream, up));
     const char* const velocities[] = {"ux(0)", "uy(0)", "uz(0)"};
     for (int i = 0; i < 3; ++i) moved[velocities[i]] += told[i];
     const Eigen::MatrixXd carried = states_of(std::string(name) + "_in_gusts", moved, times);
@@ -240,14 +232,17 @@ TEST_CASE("a plate sees of the world its plane, and turns in the sense of theta"
   std::map<std::string, double> set;
   layout.write(
       [&](int j, double value) { set[model->info().parameters[static_cast<std::size_t>(j)].name] = value; },
-      0.5, {1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {7.0, 8.0, 9.0}, {10.0, -11.0, 12.0});
+      0.5, {1.0, 2.0, 3.0}, {4.0, 5.0, 6.0},
+      Eigen::Matrix3d({{21.0, 22.0, 23.0}, {24.0, 25.0, 26.0}, {27.0, 28.0, 29.0}}), {10.0, -11.0, 12.0});
   CHECK(set == std::map<std::string, double>{{"gust_start", 0.5},
                                              {"gust_x", 1.0},
                                              {"gust_y", 3.0},
                                              {"gust_rate_x", 4.0},
                                              {"gust_rate_y", 6.0},
-                                             {"gust_material_x", 7.0},
-                                             {"gust_material_y", 9.0},
+                                             {"gust_gradient_xx", 21.0},
+                                             {"gust_gradient_xy", 23.0},
+                                             {"gust_gradient_yx", 27.0},
+                                             {"gust_gradient_yy", 29.0},
                                              {"gust_spin", 11.0}});
   BodyOnPath body;
   const double states[] = {2.0, 1.0, 0.0, 0.5, 0.3, 0.4};
@@ -263,7 +258,7 @@ TEST_CASE("a fluid that accelerates acts as a weight the other way on bodies in 
   constexpr double a = 2.0;
   const std::vector<double> times = {0.1, 0.3};
   SECTION("plate") {
-    const Parameters gust = {{"gust_rate_y", a}, {"gust_material_y", a}};
+    const Parameters gust = {{"gust_rate_y", a}};
     Eigen::MatrixXd heavy = states_of("falling_plate", joined(kPlate, {{"g", 9.81 + a}}), times);
     const Eigen::MatrixXd lifted = states_of("falling_plate_in_gusts", joined(kPlate, gust), times);
     for (Eigen::Index k = 0; k < 2; ++k) {
@@ -274,7 +269,7 @@ TEST_CASE("a fluid that accelerates acts as a weight the other way on bodies in 
     CHECK((heavy - lifted).cwiseAbs().maxCoeff() < 1e-8);
   }
   SECTION("sphere") {
-    const Parameters gust = {{"gust_rate_z", a}, {"gust_material_z", a}, {"wy(0)", 50.0}};
+    const Parameters gust = {{"gust_rate_z", a}, {"wy(0)", 50.0}};
     Eigen::MatrixXd heavy = states_of("sphere_flight", {{"g", 9.81 + a}, {"wy(0)", 50.0}}, times);
     const Eigen::MatrixXd lifted = states_of("sphere_flight_in_gusts", gust, times);
     for (Eigen::Index k = 0; k < 2; ++k) {
