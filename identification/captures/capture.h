@@ -37,6 +37,7 @@ struct Capture {
   std::string up = {};                  ///< the axis of its file that became z, "-y"; empty: z stayed
   std::string motion = {};              ///< of a span: the id of the capture that it was cut from
   double shift = 0.0;                   ///< s, of a span: what its times lack of those of that capture
+  double start = 0.0;  ///< s, what its table, or the whole of which it is a part, says at time 0
   std::shared_ptr<const BeforeCleaning> before_cleaning = {};  ///< null: nothing was cleaned
 
   int frame_count() const { return static_cast<int>(times.size()); }

@@ -65,8 +65,8 @@
 ///     longest_gap = "35 ms"              # where place or attitude is not seen for longer, a part ends
 ///
 /// With start = "first visible", the default, a capture begins at the first frame in which all its quantities
-/// are visible, and times count from there: that frame is the model's t = 0. "as given" keeps all frames and
-/// times.
+/// are visible, and times count from there: that frame is the model's t = 0, and Capture::start its time in the
+/// table. "as given" keeps all frames and times.
 ///
 /// Exports of Tracker (text: the name of a point mass, a header like "t x y", rows; or "#multi:" with
 /// several) and of Motive (CSV, quaternions) are recognised by their content: a capture for each point mass

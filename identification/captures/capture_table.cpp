@@ -171,7 +171,10 @@ Eigen::Index frames_before_visible(const Capture& capture) {
 void begin_at_first_visible(Capture& capture, Rows& rows) {
   const Eigen::Index skipped = frames_before_visible(capture);
   const Eigen::Index left = capture.times.size() - skipped;
-  if (left > 0) capture.times = (capture.times.tail(left).array() - capture.times[skipped]).eval();
+  if (left > 0) {
+    capture.start = capture.times[skipped];
+    capture.times = (capture.times.tail(left).array() - capture.start).eval();
+  }
   if (left == 0) capture.times.resize(0);
   for (Channel& channel : capture.channels) channel.values = channel.values.tail(left).eval();
   if (left > 0) rows.erase(rows.begin(), rows.begin() + skipped);

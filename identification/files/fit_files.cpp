@@ -17,6 +17,7 @@
 #include "samara/identification/captures/gravity_check.h"
 #include "samara/identification/files/fit_source.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fit_warnings.h"
 #include "samara/identification/fit/mass_check.h"
 #include "samara/identification/fit/prediction.h"
 #include "samara/identification/petab/petab_problem.h"
@@ -327,6 +328,7 @@ FitReport fit_files(const FitRequest& request) {
   const FreeBody free_body = free_body_of(source, looked_at);
   of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at, free_body.falls));
   of_captures.add_all(WarningKind::captures, free_body.upside_down);
+  of_captures.add_all(WarningKind::captures, moved_times(source.family->info(), looked_at));
   const Warnings early_starts = warnings_of_early_starts(source.family->info(), looked_at, source.options);
   of_captures.add_all(early_starts);
   teller.tell(of_captures);

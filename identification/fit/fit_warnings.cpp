@@ -260,6 +260,21 @@ void add_start_warning(const models::TrajectoryFamily& family, const FitOptions&
                   result.source, result.model));
 }
 
+std::vector<std::string> moved_times(const models::FamilyInfo& family, std::span<const Capture> captures) {
+  // Segments of a series know by their clock when they begin.
+  if (family.autonomous || !family.clock.empty()) return {};
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const Capture& capture : captures) {
+    if (capture.start == 0.0) continue;
+    found.emplace_back(
+        capture.id,
+        fmt::format("{:.6g} s in its table is time 0 in the equations of \"{}\", which depend on time; "
+                    "start = \"as given\" in a sidecar keeps the times of a table, from 0 on",
+                    capture.start, family.model));
+  }
+  return merge_alike(found);
+}
+
 void add_capture_warnings(const models::TrajectoryFamily& source, std::span<const Capture> captures,
                           const FitOptions& options, FitResult& result) {
   const models::FamilyInfo& family = source.info();
@@ -277,6 +292,7 @@ void add_capture_warnings(const models::TrajectoryFamily& source, std::span<cons
                         fmt::format("capture \"{}\": \"{}\" is no output of \"{}\", and was not compared{}",
                                     id, channel, family.model, suggestion(channel, known)));
   }
+  result.warnings.add_all(WarningKind::captures, moved_times(family, captures));
   result.warnings.add_all(WarningKind::captures, suspicions_of_all(captures, falls_in_middle(source)));
 }
 

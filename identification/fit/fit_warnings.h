@@ -22,6 +22,9 @@ void add_start_warning(const models::TrajectoryFamily& family, const FitOptions&
 void add_capture_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                           const FitOptions& options, FitResult& result);
 
+/// Captures whose first frame became time 0 of equations that depend on time (Capture::start).
+std::vector<std::string> moved_times(const models::FamilyInfo& family, std::span<const Capture> captures);
+
 /// For a fit that led nowhere: captures that move far faster than a body of the model could.
 void add_speed_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                         FitResult& result);

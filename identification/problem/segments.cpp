@@ -247,8 +247,16 @@ double outside(double value, const models::FamilyCoordinate& box, double period)
   return std::abs(from_middle) - 0.5 * (box.upper - box.lower);
 }
 
+/// Whether the first frame is more than an interval of frames later than the state.
+bool begins_late(const Segment& segment) {
+  const std::vector<double>& t = segment.times;
+  const double interval = (t.back() - t.front()) / static_cast<double>(t.size());
+  return t.front() > segment.lead + interval;
+}
+
 /// Start states that were measured must be possible: all of a segment's first frames outside the box are no
-/// noise. With a delay the start is not at the first frame, and with a gain not what was measured.
+/// noise. With a delay the start is not at the first frame, nor in a segment whose frames begin later, and with a gain
+/// it is not what was measured.
 void check_boxes(const FitProblem& problem, const Motion& motion) {
   if (problem.delay) return;
   constexpr int kFrames = 3;
@@ -262,6 +270,7 @@ void check_boxes(const FitProblem& problem, const Motion& motion) {
     const double margin = std::min(kScales * output->scale, own.upper - own.lower);
     for (std::size_t k = 0; k < motion.segment_count; ++k) {
       const Segment& segment = problem.segments[motion.first_segment + k];
+      if (segment.times.empty() || begins_late(segment)) continue;
       int seen = 0;
       bool any_inside = false;
       for (const Observation& o : segment.observations) {

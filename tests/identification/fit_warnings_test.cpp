@@ -1,8 +1,11 @@
+#include "samara/identification/fit/fit_warnings.h"
+
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
 #include "closed_form_family.h"
+#include "files.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/models/laws/registry.h"
@@ -69,6 +72,61 @@ TEST_CASE("an answer that priors all but rule out is warned of, and one that the
     options.priors.coordinates["v(0)"].deviation = 0.1;
     CHECK(said().empty());
   }
+}
+
+TEST_CASE("where the equations depend on time a fit says that a table's first frame became time 0") {
+  // x = amplitude sin(t) from 5 s on.
+  const auto waves = [](bool autonomous) {
+    return ClosedFormFamily({.model = "waves",
+                             .coordinates = {{"amplitude", "m", false, 0.5, 2.0}},
+                             .outputs = {{"x", "m"}},
+                             .autonomous = autonomous},
+                            [](std::span<const double> q, double t, auto& values, auto* derivatives) {
+                              values << q[0] * std::sin(t);
+                              if (derivatives) *derivatives << std::sin(t);
+                            });
+  };
+  std::string table = "t[s],x[m]\n";
+  for (int k = 0; k < 60; ++k) table += fmt::format("{0},{1}\n", 5.0 + 0.02 * k, std::sin(5.0 + 0.02 * k));
+  const TemporaryDirectory files;
+  const std::filesystem::path path = files.put("late.csv", table);
+  const std::vector<Capture> moved = read_captures(path);
+  CHECK(moved[0].start == 5.0);
+  const std::string said = "capture \"late\": 5 s in its table is time 0 in the equations of \"waves\"";
+  CHECK_THAT(text_of(fit(waves(false), moved).warnings), Contains(said));
+  CHECK_THAT(text_of(fit(waves(true), moved).warnings), !Contains("in its table"));
+  const std::vector<Capture> as_given =
+      read_captures(files.put("late.toml", "file = \"late.csv\"\nstart = \"as given\"\n"));
+  const FitResult result = fit(waves(false), as_given);
+  CHECK_THAT(text_of(result.warnings), !Contains("in its table"));
+  CHECK_THAT(result.coefficients.at(0).value, WithinRel(1.0, 1e-6));
+  // Segments of a series know by their clock when they begin.
+  samara::models::FamilyInfo clocked = waves(false).info();
+  clocked.clock = "t_0";
+  CHECK(moved_times(clocked, moved).empty());
+  CHECK(moved_times(waves(false).info(), moved).size() == 1);
+}
+
+TEST_CASE("a state that is first measured long after the start is not held against the box of the start") {
+  // x = x(0) + 2 t from 5 s on: none of the first frames is in the box of x(0).
+  const ClosedFormFamily line({.model = "line",
+                               .coordinates = {{"k", "m/s", false, 1.0, 3.0}, {"x(0)", "m", true, 0.0, 1.0}},
+                               .outputs = {{"x", "m"}},
+                               .autonomous = false},
+                              [](std::span<const double> q, double t, auto& values, auto* derivatives) {
+                                values << q[1] + q[0] * t;
+                                if (derivatives) *derivatives << t, 1.0;
+                              });
+  std::vector<Capture> captures(1);
+  Capture& capture = captures[0];
+  capture.id = "late";
+  capture.times = Eigen::VectorXd::LinSpaced(30, 5.0, 6.0);
+  capture.channels = {{.quantity = "x", .unit = "m", .values = 0.5 + 2.0 * capture.times.array()}};
+  const FitResult result = fit(line, captures);
+  REQUIRE(result.is_usable());
+  CHECK_THAT(result.coefficients.at(0).value, WithinRel(2.0, 1e-6));
+  capture.times.array() -= 5.0;
+  CHECK_THROWS_WITH(fit(line, captures), Contains("the box of \"x(0)\" goes from 0 to 1"));
 }
 
 TEST_CASE("scales that were stated count without a loss, too") {
