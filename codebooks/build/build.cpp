@@ -80,10 +80,8 @@ Solution chosen(Solution solution, const std::string& reason) {
   return solution;
 }
 
-CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,
-                               const ProgressCallback& progress) {
+CertifyOptions certify_options(const Plan& plan, const ProgressCallback& progress) {
   CertifyOptions result;
-  result.points = options.certificate_points.value_or(plan.certificate_points());
   result.seed = plan.certificate_seed();
   result.tolerance = plan.relative;
   result.absolute = plan.absolute;
@@ -96,13 +94,16 @@ CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,
 class Certifier {
  public:
   using Measure = std::function<Measured(const Codebook&, const CertifyOptions&, Extent)>;
+  /// How many points a certificate takes that comes after so many refutations.
+  using Points = std::function<int(const Codebook&, int refuted_before)>;
 
-  Certifier(CertifyOptions options, Measure measure)
-      : options_(std::move(options)), measure_(std::move(measure)) {}
+  Certifier(CertifyOptions options, Points points, Measure measure)
+      : options_(std::move(options)), points_(std::move(points)), measure_(std::move(measure)) {}
 
   CertifyOptions& options() { return options_; }
 
   Measured operator()(const Codebook& book, Extent extent) {
+    options_.points = points_(book, refuted_);
     Measured measured = measure_(book, options_, extent);
     measured.certificate.refuted_before = refuted_;
     refuted_ += measured.wrong.cols() > 0 ? 1 : 0;
@@ -112,9 +113,20 @@ class Certifier {
 
  private:
   CertifyOptions options_;
+  Points points_;
   Measure measure_;
   int refuted_ = 0;
 };
+
+/// @param calls of a command, whose duration counts; null: of a model
+Certifier::Points certificate_sizes(const Plan& plan, const BuildOptions& options,
+                                    const CallMemory* calls = nullptr) {
+  return [&plan, given = options.certificate_points, calls](const Codebook& book, int refuted_before) {
+    if (given) return *given;
+    return plan.certificate_points(calls == nullptr ? 0.0 : calls->seconds_per_call(),
+                                   book.build().evaluations, refuted_before);
+  };
+}
 
 /// A plan on its way to a codebook.
 struct Build {
@@ -272,7 +284,7 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
               progress,
               cancelled,
               describe(model),
-              {certify_options(plan, options, progress),
+              {certify_options(plan, progress), certificate_sizes(plan, options),
                [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
                  return measure(book, model, certify_by, extent);
                }}};
@@ -298,11 +310,8 @@ BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& functi
               progress,
               cancelled,
               describe(plan),
-              {certify_options(plan, options, progress),
-               [&](const Codebook& book, CertifyOptions certify_by, Extent extent) {
-                 if (!options.certificate_points)
-                   certify_by.points =
-                       plan.certificate_points(calls.seconds_per_call(), book.build().evaluations);
+              {certify_options(plan, progress), certificate_sizes(plan, options, &calls),
+               [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
                  return measure(book, calls, certify_by, extent);
                }}};
   Solution solved = given(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)));
@@ -333,7 +342,7 @@ BuildResult build_of_field(const Plan& plan, const BuildOptions& options, const 
               progress,
               cancelled,
               describe_field(plan),
-              {certify_options(plan, options, progress),
+              {certify_options(plan, progress), certificate_sizes(plan, options),
                [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
                  return measure(book, reference, certify_by, extent);
                }}};

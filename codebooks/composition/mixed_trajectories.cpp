@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/codebooks/book/book_model.h"
 #include "samara/codebooks/composition/shared_queries.h"
 #include "samara/models/trajectories/derived_outputs.h"
 
@@ -58,18 +62,79 @@ Cover cover_of(const Codebook& book, const models::FamilyInfo& direct) {
   return cover;
 }
 
+bool same(double held, double value) {
+  return std::abs(held - value) <= 1e-12 * std::abs(value);
+}
+
+/// Whether the motion does not depend on the start of that name.
+bool is_place(const models::FamilyInfo& direct, const std::string& name) {
+  return std::ranges::any_of(direct.translations,
+                             [&](const std::string& output) { return output + "(0)" == name; });
+}
+
 /// What the codebook holds must be held by the family at the same value, unless the motion does not depend on
 /// it.
 void check_held(const Codebook& book, const models::FamilyInfo& direct) {
   for (const auto& [name, value] : book.model().fixed) {
-    const bool is_place = std::ranges::any_of(
-        direct.translations, [&name = name](const std::string& output) { return output + "(0)" == name; });
-    if (is_place) continue;
+    if (is_place(direct, name)) continue;
     const auto held = direct.fixed.find(name);
-    if (held != direct.fixed.end() && std::abs(held->second - value) <= 1e-12 * std::abs(value)) continue;
+    if (held != direct.fixed.end() && same(held->second, value)) continue;
     throw ArgumentError(fmt::format(
         "the codebook holds \"{}\" at {}; the {} {}", name, value, direct.source,
         held == direct.fixed.end() ? std::string("does not") : fmt::format("holds it at {}", held->second)));
+  }
+}
+
+/// All parameters of the model and all starts, at a point of the codebook's box.
+std::map<std::string, double> values_of_model(const models::ParametricModel& model,
+                                              const std::vector<double>& q) {
+  const models::ModelInfo& info = model.model().info();
+  const std::vector<double> parameters = model.parameters(q);
+  std::vector<double> starts(info.states.size());
+  model.initial(q, starts);
+  std::map<std::string, double> values;
+  for (std::size_t j = 0; j < parameters.size(); ++j) values[info.parameters[j].name] = parameters[j];
+  for (std::size_t i = 0; i < starts.size(); ++i) values[info.states[i].name + "(0)"] = starts[i];
+  return values;
+}
+
+/// Null where the codebook's model is not known, or needs more than the codebook names.
+std::optional<models::ParametricModel> known_equations(const Codebook& book) {
+  try {
+    return model_of(book);
+  } catch (const ArgumentError&) {
+    return std::nullopt;
+  }
+}
+
+/// What the codebook leaves to the model's defaults the family must not free, nor hold at another value.
+void check_defaults(const Codebook& book, const models::FamilyInfo& direct) {
+  const auto is_default = [&](const std::string& name) {
+    return !is_place(direct, name) && !book.model().fixed.contains(name) &&
+           std::ranges::count(book.coordinates(), name, &Coordinate::name) == 0;
+  };
+  for (const models::FamilyCoordinate& c : direct.coordinates) {
+    if (!is_default(c.name)) continue;
+    throw ArgumentError(fmt::format("\"{}\" is free in the {}; a coordinate of the codebook was expected",
+                                    c.name, direct.source));
+  }
+  const std::optional<models::ParametricModel> model = known_equations(book);
+  if (!model) return;
+  // Defaults that follow from what is free differ from corner to corner.
+  std::vector<double> lower, upper;
+  for (const Coordinate& c : book.parameters()) {
+    lower.push_back(c.lower);
+    upper.push_back(c.upper);
+  }
+  for (const std::vector<double>& corner : {lower, upper}) {
+    const std::map<std::string, double> values = values_of_model(*model, corner);
+    for (const auto& [name, held] : direct.fixed) {
+      const auto value = values.find(name);
+      if (!is_default(name) || value == values.end() || same(held, value->second)) continue;
+      throw ArgumentError(
+          fmt::format("the {} holds \"{}\" at {}; {} was expected, the default of the codebook",
+                      direct.source, name, held, value->second));
+    }
   }
 }
 
@@ -198,6 +263,7 @@ class MixedTrajectories final : public models::TrajectoryFamily {
         cover_(cover_of(book, info_)),
         queries_(book) {
     check_held(book, info_);
+    check_defaults(book, info_);
     info_.source = fmt::format("codebook and {}", info_.source);
     if (equations() == nullptr) return;
     // What is derived follows from the states, whoever gives them.

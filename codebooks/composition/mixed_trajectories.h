@@ -17,8 +17,8 @@ namespace samara::codebooks {
 /// derived from the mixed ones; it asks for all of them.
 /// @param book must outlive the result
 /// @throws ArgumentError if the codebook is of another model, has a coordinate that `direct` has not, or
-///   holds one that is free in `direct` or has another value there; from at(), for an output that the codebook
-///   lacks. Fits whose segments are joined ask for all states.
+///   holds one, itself or by a default of its model, that is free in `direct` or has another value there; from
+///   at(), for an output that the codebook lacks. Fits whose segments are joined ask for all states.
 std::unique_ptr<models::TrajectoryFamily> mixed_trajectories(
     const Codebook& book, std::unique_ptr<models::TrajectoryFamily> direct);
 

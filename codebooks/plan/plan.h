@@ -60,7 +60,7 @@ struct BuildRequest {
   double relative = 1e-3;                  ///< of each output's range over box and time
   std::map<std::string, double> absolute;  ///< floor per output, SI
   /// Share of the box that the certificate must show to be within the tolerance, at 95 % confidence: it takes
-  /// 3/(1 - assurance) points. Empty: kCertificatePoints of them.
+  /// 3/(1 - assurance) points, and more after refutations (share_above()). Empty: kCertificatePoints of them.
   std::optional<double> assurance;
 
   struct Builder {
@@ -99,12 +99,13 @@ struct Plan : BuildRequest {
   std::string model_file;  ///< of the model, if it is in a file of its own
   std::string text;        ///< the plan as read
 
-  /// How many points its certificate takes: what the assurance asks for; by default kCertificatePoints, or
-  /// fewer of a command, if the plan allows fewer calls, or if a call takes longer than a minute: then as
-  /// many as the builder has called.
-  int certificate_points(double seconds_per_call = 0.0, double calls = 0.0) const;
-  /// Of the scrambling: another box, tolerance, builder or seed gives other points. Titles and threads change
-  /// nothing.
+  /// How many points its certificate takes: what the assurance asks for, the more the more often certificates have
+  /// found earlier fields wrong; by default kCertificatePoints, or fewer of a command, if the plan allows fewer
+  /// calls, or if a call takes longer than a minute: then as many as the builder has called.
+  int certificate_points(double seconds_per_call = 0.0, double calls = 0.0, int refuted_before = 0) const;
+  /// Of the scrambling: other equations, fixed values, boxes, times and relative tolerances, and another kind,
+  /// strategy or seed of the builder give other points. All else changes nothing: titles, absolute tolerances, axes,
+  /// limits of the builder.
   std::uint64_t certificate_seed() const;
 
   /// The text, that of a model in another file, and what a mesh gave: plans that differ in none of them have the same

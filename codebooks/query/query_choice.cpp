@@ -48,7 +48,8 @@ std::vector<std::optional<double>> held_coordinates(const Codebook& book,
 /// Trial points over the coordinates that are left: coordinates x points.
 Eigen::MatrixXd trial_points(const Codebook& book, const PreparedFields& fields) {
   constexpr int kPoints = 128;
-  const Eigen::MatrixXd parameters = certificate_points(book, kPoints, 1);
+  Eigen::MatrixXd parameters;  // none where time is alone
+  if (!book.parameters().empty()) parameters = certificate_points(book, kPoints, 1);
   Eigen::MatrixXd points(fields.coordinate_count(), kPoints);
   for (int k = 0; k < fields.coordinate_count(); ++k) {
     const Coordinate& c = fields.coordinates()[static_cast<std::size_t>(k)];

@@ -74,23 +74,17 @@ ElementMatrices scaled(const ElementMatrices& reference, double half) {
   return m;
 }
 
-/// Integrals over dx = (dx/ds) ds. The factor dx/ds, or ds/dx in the stiffness, is not a polynomial; in s it
-/// is entire or has its pole at x = 0 or infinity. In panels over which x at most doubles, the pole is at
-/// least the panel's length away in s, and each point more of Gauss's rule gains a factor (3 + sqrt 8)^2 =
-/// 34: twelve more than the polynomials need are beyond rounding.
 ElementMatrices integrate_transformed(const LagrangeBasis& local, const ElementMatrices& reference,
                                       Transform transform, double left, double right) {
   const int n = local.size();
   const QuadratureRule rule = gauss_legendre(n + 12);
   ElementMatrices m(n);
   m.gradient = reference.gradient;  // N_i dN_j needs no measure
-  // From 0, only the square root, whose dx/ds = 2 s is a polynomial.
-  const int panels = left > 0.0 ? std::max(1, static_cast<int>(std::ceil(std::log2(right / left)))) : 1;
+  const std::vector<double> panels = panel_borders(transform, left, right);
   const double per_place = 0.5 * transformed_distance(transform, left, right);  // ds per reference length
   Eigen::VectorXd value(n);
-  double from = left;
-  for (int p = 1; p <= panels; ++p) {
-    const double to = p == panels ? right : left * std::pow(right / left, static_cast<double>(p) / panels);
+  for (std::size_t p = 1; p < panels.size(); ++p) {
+    const double from = panels[p - 1], to = panels[p];
     const double half = 0.5 * transformed_distance(transform, from, to);
     for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
       const double x = place_in_element(transform, from, to, rule.nodes[q]);
@@ -102,7 +96,6 @@ ElementMatrices integrate_transformed(const LagrangeBasis& local, const ElementM
       m.stiffness += (ds * ds_dx) * slope * slope.transpose();
       m.weights += (ds / ds_dx) * value;
     }
-    from = to;
   }
   return m;
 }
@@ -143,6 +136,17 @@ Eigen::VectorXd place_nodes(Transform transform, const Eigen::VectorXd& borders,
 }
 
 }  // namespace
+
+std::vector<double> panel_borders(Transform transform, double left, double right) {
+  // From 0, only the square root, whose dx/ds = 2 s is a polynomial.
+  const bool has_pole = transform != Transform::none && left > 0.0;
+  const int panels = has_pole ? std::max(1, static_cast<int>(std::ceil(std::log2(right / left)))) : 1;
+  std::vector<double> borders = {left};
+  for (int p = 1; p < panels; ++p)
+    borders.push_back(left * std::pow(right / left, static_cast<double>(p) / panels));
+  borders.push_back(right);
+  return borders;
+}
 
 AxisTables element_tables(AxisLabel label, Basis basis, const Eigen::VectorXd& borders,
                           const Eigen::VectorXd& reference_nodes) {

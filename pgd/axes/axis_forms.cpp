@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/axes/axis_elements.h"
 #include "samara/pgd/axes/quadrature.h"
 
 namespace samara::pgd {
@@ -25,20 +26,22 @@ double checked_value(const Axis& axis, const AxisFunction& f, double x) {
 /// Calls visit(weight * f(x), stencil) at all quadrature points.
 template <class Visit>
 void integrate(const Axis& axis, const AxisFunction& f, bool with_derivative, Visit visit) {
-  // Exact for two basis functions and a coefficient of their degree; the slope of a transform is no
-  // polynomial.
+  // Exact for two basis functions and a coefficient of their degree; the slope of a transform, which is no
+  // polynomial, takes twelve points more in every panel.
   const int more = axis.transform() == Transform::none ? 3 : 15;
   const QuadratureRule rule = gauss_legendre(3 * axis.degree() / 2 + more);
   InterpolationStencil stencil = axis.make_stencil();
   const Transform transform = axis.transform();
   for (Eigen::Index e = 0; e + 1 < axis.borders().size(); ++e) {
     // Where the basis is polynomial in s = T(x), the rule is one in s: dx = ds / (dT/dx).
-    const double left = axis.borders()[e];
-    const double half = 0.5 * transformed_distance(transform, left, axis.borders()[e + 1]);
-    for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
-      const double x = transformed_advance(transform, left, half * (1.0 + rule.nodes[q]));
-      axis.interpolate(x, stencil, with_derivative);
-      visit(half * rule.weights[q] / transform_slope(transform, x) * checked_value(axis, f, x), stencil);
+    const std::vector<double> panels = panel_borders(transform, axis.borders()[e], axis.borders()[e + 1]);
+    for (std::size_t p = 1; p < panels.size(); ++p) {
+      const double half = 0.5 * transformed_distance(transform, panels[p - 1], panels[p]);
+      for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
+        const double x = transformed_advance(transform, panels[p - 1], half * (1.0 + rule.nodes[q]));
+        axis.interpolate(x, stencil, with_derivative);
+        visit(half * rule.weights[q] / transform_slope(transform, x) * checked_value(axis, f, x), stencil);
+      }
     }
   }
 }

@@ -45,11 +45,17 @@ struct SlabCell {
 SlabCell whole_box(const AdaptiveProblem& problem, const Eigen::VectorXd& scales,
                    const std::vector<int>& nodes, int guards, Random& random);
 
+/// States over their scales at the start of the next slab, at points (axes x points): those of the train; at t = 0,
+/// of states that start at a coordinate under a transform, the coordinate itself, which no train there holds.
+Eigen::MatrixXd starts_at(const SlabCell& cell, const AdaptiveProblem& problem, const Eigen::VectorXd& scales,
+                          const Eigen::MatrixXd& points);
+
 /// The same state on axes with other numbers of nodes.
-void resample(SlabCell& cell, const AdaptiveProblem& problem, const std::vector<int>& nodes);
+void resample(SlabCell& cell, const AdaptiveProblem& problem, const Eigen::VectorXd& scales,
+              const std::vector<int>& nodes);
 
 /// The two halves of a cell along an axis, each on as many nodes per axis as the cell.
-std::vector<SlabCell> halves(const SlabCell& cell, const AdaptiveProblem& problem, int axis, int guards,
-                             Random& random);
+std::vector<SlabCell> halves(const SlabCell& cell, const AdaptiveProblem& problem,
+                             const Eigen::VectorXd& scales, int axis, int guards, Random& random);
 
 }  // namespace samara::pgd

@@ -98,8 +98,8 @@ Ending SlabMarch::out_of_evaluations(const SlabCell& cell) const {
 
 std::optional<Ending> SlabMarch::attempt(SlabCell& cell) {
   if (!cell.slab) {
-    if (std::optional<Ending> ending = stepper_.probe(cell, values_at(cell.start, cell.axes, cell.guards)))
-      return ending;
+    const Eigen::MatrixXd starts = starts_at(cell, context_.problem(), context_.scales(), cell.guards);
+    if (std::optional<Ending> ending = stepper_.probe(cell, starts)) return ending;
   }
   const Outcome<SolvedSlab> solved = solver_.solve(context_, cell, state_.random);
   if (!solved) return shorten(cell, solved.ending());

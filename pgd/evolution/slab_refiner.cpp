@@ -57,7 +57,8 @@ SlabRefiner::Blame SlabRefiner::blame(const SlabCell& cell, const TensorTrain& t
   }
   Eigen::MatrixXd q = snapped.replicate(1, axes + 1);
   for (Eigen::Index k = 0; k < axes; ++k) q.block(k, k * count, 1, count) = worst.row(k);
-  const SlabPoints solved = context_.solve(cell.slab->borders, values_at(cell.start, cell.axes, q), q);
+  const SlabPoints solved =
+      context_.solve(cell.slab->borders, starts_at(cell, context_.problem(), context_.scales(), q), q);
   const Eigen::MatrixXd difference = (values_at(train, cell.axes, q) - solved.values).cwiseAbs();
   for (Eigen::Index k = 0; k <= axes; ++k) {
     const double error = difference.middleCols(k * count, count).maxCoeff();
@@ -79,7 +80,7 @@ bool SlabRefiner::add_nodes(SlabCell& cell, const std::vector<double>& by_axis) 
     nodes[k] = std::min(nodes[k] + std::max(2, nodes[k] / 3), most);
     grown = true;
   }
-  if (grown) resample(cell, context_.problem(), nodes);
+  if (grown) resample(cell, context_.problem(), context_.scales(), nodes);
   return grown;
 }
 
@@ -114,8 +115,8 @@ Refinement SlabRefiner::of_inexact_solver(SlabCell& cell, double error) const {
 }
 
 std::vector<SlabCell> SlabRefiner::halves(const SlabCell& cell, Random& random) const {
-  return pgd::halves(cell, context_.problem(), static_cast<int>(coarsest_), context_.options().guards,
-                     random);
+  return pgd::halves(cell, context_.problem(), context_.scales(), static_cast<int>(coarsest_),
+                     context_.options().guards, random);
 }
 
 Ending SlabRefiner::unresolved(const SlabCell& cell, const Eigen::VectorXd& errors, bool ranks,

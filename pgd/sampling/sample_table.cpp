@@ -196,7 +196,9 @@ std::vector<int> SampleTable::places(const IndexBatch& points) {
     x.col(j) = point(points.col(missing[static_cast<std::size_t>(j)]));
   }
   try {
-    const Eigen::MatrixXd values = function_(x);
+    // A single coordinate shares points with its trial and its checks: the ends. Grids of more are too large to be
+    // kept twice.
+    const Eigen::MatrixXd values = x.rows() == 1 ? function_.recalled(x) : function_(x);
     values_.insert(values_.end(), values.data(), values.data() + values.size());
   } catch (...) {
     for (const std::string& unknown : new_keys) places_.erase(unknown);

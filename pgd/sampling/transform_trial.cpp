@@ -114,7 +114,8 @@ std::vector<Transform> try_transforms(const std::vector<SampledCoordinate>& coor
     points.rightCols(kTrialPoints) = points_on_lines(bases, static_cast<Eigen::Index>(k), coordinates[k]);
   }
   if (tried.empty()) return best;
-  const Eigen::MatrixXd values = function(points);
+  // Of one coordinate, all lines are the same.
+  const Eigen::MatrixXd values = function.recalled(points);
   const Eigen::VectorXd scale = function.scale();
   for (std::size_t i = 0; i < tried.size(); ++i) {
     const Eigen::Index first = static_cast<Eigen::Index>(i) * kTrialPoints;

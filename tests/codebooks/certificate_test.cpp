@@ -1,5 +1,6 @@
 #include "samara/codebooks/book/certificate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -115,6 +116,7 @@ TEST_CASE("every plan and every seed has certificate points of its own") {
   CHECK(seeds.size() == 4);
   CHECK(plan_of("").certificate_seed() == plan_of("").certificate_seed());
   CHECK(plan_of("# a remark\n[builder]\nthreads = 1\n").certificate_seed() == plan_of("").certificate_seed());
+  CHECK(plan_of("absolute = { f = 1 }\n").certificate_seed() == plan_of("").certificate_seed());
   Plan other = plan_of("");
   other.builder.seed = 9;
   CHECK(other.certificate_seed() != plan_of("").certificate_seed());
@@ -190,6 +192,28 @@ TEST_CASE("a command that takes one point at a time gets the same certificate") 
 TEST_CASE("a certificate that comes after refutations states more") {
   CHECK_THAT(share_above(0, 2000, 2), WithinRel(1.0 - std::pow(0.0125, 1.0 / 2000), 1e-9));
   CHECK_THROWS_AS(share_above(0, 10, -1), samara::ArgumentError);
+}
+
+TEST_CASE("the assurance is kept after refutations, by more points") {
+  const Plan plan = plan_of("assurance = 0.99\n");
+  for (const int refuted : {0, 1, 2, 20})
+    CHECK(share_above(0, plan.certificate_points(0.0, 0.0, refuted), refuted) <= 0.01);
+  CHECK(plan.certificate_points(0.0, 0.0, 1) == 370);
+  // A peak in 3e-3 of the box: the builder meets it in one of three builds, 3,000 points in all of them.
+  const auto peak = [](const Eigen::VectorXd& x) {
+    return smooth(x) + std::exp(-0.5 * (x - Eigen::Vector2d(0.31, 0.62)).squaredNorm() / (0.01 * 0.01));
+  };
+  int most = 0;
+  for (int seed = 1; seed <= 5; ++seed) {
+    const Plan asked = plan_of(
+        "assurance = 0.999\n[builder]\nmax_calls = 4000\nguards = 10\nseed = " + std::to_string(seed) + "\n");
+    const BuildResult result = build(asked, function_of(peak));
+    const Certificate& certificate = *result.book.certificate();
+    INFO(result.message << "; " << result.book.build().message);
+    CHECK(certificate.points == asked.certificate_points(0.0, 0.0, certificate.refuted_before));
+    most = std::max(most, certificate.refuted_before);
+  }
+  CHECK(most > 0);
 }
 
 TEST_CASE("cancelled in its certificate, a build calls nothing more") {

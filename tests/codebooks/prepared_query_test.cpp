@@ -281,6 +281,22 @@ TEST_CASE("single floats change answers by their round-off, and are taken where 
   }
 }
 
+TEST_CASE("of a codebook over time alone, too, single floats are taken where its certificate bears it") {
+  using samara::pgd::Axis;
+  const Axis time = Axis::radau({"t", "s", samara::pgd::AxisRole::time}, 0.0, 1.0, 3, 2);
+  const Codebook book(
+      sample_model(),
+      {Piece{{samara::pgd::SeparatedField({time}, {{"x", "m"}}, {Eigen::MatrixXd::Random(7, 2)},
+                                          Eigen::MatrixXd::Random(1, 2))}}});
+  Certificate certificate = sample_certificate(book);
+  for (const double error : {1e-2, 1e-9}) {
+    for (OutputError& output : certificate.outputs) output.max_si = error;
+    const Codebook certified = book.with_certificate(certificate);
+    const Precision expected = error > 1e-5 ? Precision::single_precision : Precision::double_precision;
+    CHECK(Query(certified, {.precision = Precision::automatic}).precision() == expected);
+  }
+}
+
 TEST_CASE("residuals and their Jacobian are values and derivatives, scaled, row by row") {
   const Codebook book = four_pieces_of_trains();
   const std::vector<double> times = {0.1, 0.3, 0.5};

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <map>
+#include <numbers>
 
 #include <catch2/catch.hpp>
 
@@ -99,6 +101,34 @@ TEST_CASE("a codebook and a family shift a motion from where the model starts it
   REQUIRE(one.outcome);
   CHECK(one.values(0, 0) == Approx(5.0).margin(1e-3));
   CHECK(one.values(1, 0) == Approx(5.0 + std::exp(-1.0)).margin(2e-3));
+}
+
+TEST_CASE("what a codebook leaves to its model's defaults, the family beside it holds there, too") {
+  using samara::models::Interval;
+  const Codebook book = build(parse_plan("model = 'vertical_fall'\n"
+                                         "[fixed]\ndensity = 6339\narea = 4.714e-4\nthickness = '2.55 mm'\n"
+                                         "[box]\nC_D = [0.8, 1.6]\n[time]\nend = 0.05\n",
+                                         "plan.toml"),
+                              {.certificate_points = 10})
+                            .book;
+  const auto mixed = [&](const std::map<std::string, double>& held,
+                         const std::map<std::string, Interval>& free) {
+    std::map<std::string, double> fixed = {{"density", 6339.0}, {"area", 4.714e-4}, {"thickness", 2.55e-3}};
+    fixed.insert(held.begin(), held.end());
+    std::map<std::string, Interval> box = {{"C_D", {0.6, 1.6}}};
+    box.insert(free.begin(), free.end());
+    return mixed_trajectories(
+        book, step_trajectories(samara::models::find_model("vertical_fall"), fixed, box, 1e-3));
+  };
+  using Catch::Contains;
+  CHECK_THROWS_WITH(mixed({}, {{"v(0)", {0.0, 1.0}}}), Contains("\"v(0)\" is free in the Runge-Kutta steps"));
+  CHECK_THROWS_WITH(mixed({{"fluid_density", 1025.0}}, {}),
+                    Contains("holds \"fluid_density\" at 1025; 998.2 was expected"));
+  CHECK_THROWS_WITH(mixed({{"v(0)", 0.1}}, {}), Contains("holds \"v(0)\" at 0.1; 0 was expected"));
+  CHECK_THROWS_WITH(mixed({{"m_a", 0.01}}, {}), Contains("holds \"m_a\" at 0.01"));
+  const double disc = 8.0 / 3.0 * 998.2 * std::pow(4.714e-4 / std::numbers::pi, 1.5);
+  CHECK_NOTHROW(mixed({{"fluid_density", 998.2}, {"m_a", disc}, {"v(0)", 0.0}, {"x(0)", 3.0}}, {}));
+  CHECK_NOTHROW(mixed({}, {{"x(0)", {-1.0, 1.0}}}));
 }
 
 TEST_CASE("in a gap between the pieces of a codebook the family answers") {

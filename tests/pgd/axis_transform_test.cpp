@@ -9,6 +9,7 @@
 #include "axis_values.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/axes/axis.h"
+#include "samara/pgd/axes/axis_forms.h"
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
@@ -93,6 +94,20 @@ double relative_error(const Axis& axis, const Function& f) {
 }
 
 }  // namespace
+
+TEST_CASE("under every transform, weak forms with the coefficient 1 are the axis's own, over decades too") {
+  const AxisFunction one = [](double) { return 1.0; };
+  for (const Transform transform : kAllTransforms) {
+    for (const int degree : {1, 8}) {
+      const Axis axis =
+          Axis::of_elements(label(transform), Basis::chebyshev, Eigen::Vector2d(1e-3, 1.0), degree);
+      CAPTURE(to_string(transform), degree);
+      CHECK((weighted_mass(axis, one) - axis.mass()).norm() <= 1e-12 * axis.mass().norm());
+      CHECK((weighted_stiffness(axis, one) - axis.stiffness()).norm() <= 1e-12 * axis.stiffness().norm());
+      CHECK((load_vector(axis, one) - axis.weights()).norm() <= 1e-12 * axis.weights().norm());
+    }
+  }
+}
 
 TEST_CASE("mass, gradient, stiffness and weights under every transform are integrals over dx") {
   for (const Transform transform : kAllTransforms) {

@@ -183,6 +183,21 @@ TEST_CASE("no point is asked for twice, and the same seed asks for the same poin
   CHECK(first == second);
 }
 
+TEST_CASE("of a single coordinate whose transform is chosen, no point is asked for twice either") {
+  std::set<double> seen;
+  long calls = 0;
+  const SamplingResult result =
+      sample({{{"a"}, 0.5, 2.0}}, {{"f"}}, one_output([&](std::span<const double> x) {
+               ++calls;
+               seen.insert(x[0]);
+               return std::exp(x[0]);
+             }),
+             {.exploration_points = 50});
+  REQUIRE(result.tolerance_met());
+  CHECK(static_cast<long>(seen.size()) == calls);
+  CHECK(result.calls == calls);
+}
+
 TEST_CASE("a coordinate over decades gets the transform under which it is smooth") {
   const Scalar f = [](std::span<const double> x) { return std::log(x[0]) * std::log(x[0]) + x[1] / x[2]; };
   const SamplingResult result = sample({{{"a"}, 1e-3, 1e3}, {{"b"}, -1.0, 1.0}, {{"c"}, 1.0, 100.0}}, {{"f"}},

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include <catch2/catch.hpp>
 
@@ -291,7 +292,48 @@ TEST_CASE("each half of a cell of many axes has a guard point, however few are a
     problem.parameters.push_back({{name, "1"}, 0.0, 1.0});
   Random random(1);
   const SlabCell cell = whole_box(problem, Vector::Ones(1), std::vector<int>(6, 2), 1, random);
-  for (const SlabCell& half : halves(cell, problem, 0, 1, random)) CHECK(half.guards.cols() >= 1);
+  for (const SlabCell& half : halves(cell, problem, Vector::Ones(1), 0, 1, random))
+    CHECK(half.guards.cols() >= 1);
+}
+
+TEST_CASE("states that start at a coordinate under a transform start where they say") {
+  // Polynomials in -1/x or log x do not hold x.
+  const System system(
+      1, [](const Vector& x, const Vector&) { return Vector(-x); },
+      [](const Vector&, const Vector&) { return Matrix::Constant(1, 1, -1.0); });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "1", AxisRole::time};
+  problem.end = 1.0;
+  problem.states = {{"x", "1"}};
+  problem.scales = {1.0};
+  problem.scale_floors = {0.0};
+  problem.initial = {{0.0, 0}};
+  const auto start_error = [](const SlabResult& result, double lower, double upper) {
+    double largest = 0.0;
+    for (int i = 0; i <= 50; ++i) {
+      const double x = lower + (upper - lower) * i / 50.0;
+      largest = std::max(largest, std::abs(value_at(result, std::vector{0.0, x})[0] - x));
+    }
+    return largest / (upper - lower);
+  };
+  for (const auto& [transform, lower, upper] :
+       {std::tuple(Transform::reciprocal, 0.1, 10.0), {Transform::logarithm, 0.01, 100.0}}) {
+    problem.parameters = {{{"x(0)", "1", AxisRole::initial, transform}, lower, upper}};
+    const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-4});
+    CAPTURE(to_string(transform), result.message, result.error);
+    REQUIRE(result.status == samara::Termination::converged);
+    CHECK(start_error(result, lower, upper) <= 1e-4);
+    CHECK(largest_error(result, problem, system, 1.0, 500, 6) <= 1e-4);
+    // Too few nodes are not taken for enough, and cells make up for them.
+    const SlabOptions few{.tolerance = 1e-4, .max_nodes = 9};
+    CHECK(solve_by_slabs(problem, few).status == samara::Termination::not_resolved);
+    SlabOptions many = few;
+    many.max_cells = 64;
+    const SlabResult cells = solve_by_slabs(problem, many);
+    CAPTURE(cells.message, cells.cells);
+    if (cells.status == samara::Termination::converged) CHECK(start_error(cells, lower, upper) <= 1e-4);
+  }
 }
 
 TEST_CASE("a state that stays where it is needs one iteration and no derivatives") {
