@@ -77,7 +77,8 @@ double unknowns_of(const FitResult& fitted) {
   return static_cast<double>(count);
 }
 
-/// What the fit says of the noise of an output: its level, or what residuals leave, less what unknowns took.
+/// What the fit says of the noise of an output, of an attitude about each axis: its level, or what residuals leave,
+/// less what unknowns took.
 std::optional<double> found_noise(const FitResult& fitted, const std::string& output) {
   for (const NoiseLevel& level : fitted.noise) {
     if (contains(level.outputs, output)) return level.value;
@@ -85,7 +86,9 @@ std::optional<double> found_noise(const FitResult& fitted, const std::string& ou
   const auto residual = std::ranges::find(fitted.residuals, output, &OutputRms::output);
   if (residual == fitted.residuals.end()) return {};
   const double values = fitted.residual_count, left = values - unknowns_of(fitted);
-  return residual->rms * (left > 0.0 ? std::sqrt(values / left) : 1.0);
+  // The residual of an attitude is the whole turn.
+  const double rms = output == kAttitude ? residual->rms / std::sqrt(3.0) : residual->rms;
+  return rms * (left > 0.0 ? std::sqrt(values / left) : 1.0);
 }
 
 double noise_of(const FitResult& fitted, const DesignOptions& options, const std::string& output) {
@@ -184,16 +187,20 @@ void set_times(const models::FamilyInfo& family, const FitResult& fitted, const 
   experiment.frames = static_cast<int>(frames);
 }
 
+/// NaN where the capture does not say.
+double value_in(const CaptureFit& capture, const std::string& coordinate) {
+  const auto own = std::ranges::find(capture.nuisances, coordinate, &Nuisance::name);
+  if (own != capture.nuisances.end()) return own->value;
+  const auto known = capture.known.find(coordinate);
+  return known != capture.known.end() ? known->second : std::nan("");
+}
+
 /// Where the captures of the fit were, in the mean; the middle of the box where they do not say.
 double usual_value(const FitResult& fitted, const models::FamilyCoordinate& c) {
   double sum = 0.0;
   int count = 0;
   for (const CaptureFit& capture : fitted.captures) {
-    const auto own = std::ranges::find(capture.nuisances, c.name, &Nuisance::name);
-    const auto known = capture.known.find(c.name);
-    const double value = own != capture.nuisances.end() ? own->value
-                         : known != capture.known.end() ? known->second
-                                                        : std::nan("");
+    const double value = value_in(capture, c.name);
     if (!std::isfinite(value)) continue;
     sum += value;
     ++count;
@@ -201,8 +208,23 @@ double usual_value(const FitResult& fitted, const models::FamilyCoordinate& c) {
   return count == 0 ? 0.5 * (c.lower + c.upper) : std::clamp(sum / count, c.lower, c.upper);
 }
 
+/// The mean attitude at the start, of which q and -q are one; zero where the captures do not say.
+Eigen::Vector4d usual_attitude(const models::FamilyInfo& family, const FitResult& fitted) {
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  if (family.attitude.empty()) return sum;
+  for (const CaptureFit& capture : fitted.captures) {
+    Eigen::Vector4d q;
+    for (std::size_t k = 0; k < 4; ++k)
+      q[static_cast<Eigen::Index>(k)] = value_in(capture, family.attitude[k] + "(0)");
+    if (!q.allFinite()) continue;
+    sum += q.dot(sum) < 0.0 ? Eigen::Vector4d(-q) : q;
+  }
+  return sum.normalized();
+}
+
 /// @param c with the box of the fit
-ReleaseCoordinate release_coordinate(const FitResult& fitted, const models::FamilyCoordinate& c,
+/// @param usual where it is held, if it cannot be chosen
+ReleaseCoordinate release_coordinate(double usual, const models::FamilyCoordinate& c,
                                      const DesignOptions& options, double margin) {
   ReleaseCoordinate result{.name = c.name, .unit = c.unit, .lower = c.lower, .upper = c.upper};
   const auto given = options.box.find(c.name);
@@ -216,7 +238,7 @@ ReleaseCoordinate release_coordinate(const FitResult& fitted, const models::Fami
     result.lower = box.lower;
     result.upper = box.upper;
   } else if (!options.release.empty() && !contains(options.release, c.name)) {
-    result.lower = result.upper = usual_value(fitted, c);
+    result.lower = result.upper = usual;
   }
   if (result.lower == result.upper) return result;
   const double inset = margin * (c.upper - c.lower);
@@ -232,15 +254,20 @@ ReleaseCoordinate release_coordinate(const FitResult& fitted, const models::Fami
 void set_coordinates(const models::FamilyInfo& family, const FitResult& fitted, const DesignOptions& options,
                      Experiment& experiment) {
   const FitProblem problem = describe_problem(family, std::vector{experiment.capture}, experiment.options);
+  const Eigen::Vector4d attitude = usual_attitude(family, fitted);
   for (const models::FamilyCoordinate& c : problem.own) {
-    const bool is_attitude =
-        std::ranges::any_of(family.attitude, [&](const std::string& part) { return c.name == part + "(0)"; });
-    experiment.coordinates.push_back(release_coordinate(fitted, c, options, is_attitude ? 0.0 : kMargin));
+    const auto part = std::ranges::find_if(family.attitude,
+                                           [&](const std::string& name) { return c.name == name + "(0)"; });
+    const bool is_attitude = part != family.attitude.end();
+    const double usual = is_attitude && !attitude.isZero()
+                             ? std::clamp(attitude[part - family.attitude.begin()], c.lower, c.upper)
+                             : usual_value(fitted, c);
+    experiment.coordinates.push_back(release_coordinate(usual, c, options, is_attitude ? 0.0 : kMargin));
   }
   experiment.own_count = problem.own.size();
   for (const std::string& name : problem.known) {
     const models::FamilyCoordinate& c = family.coordinates[*models::position(family.coordinates, name)];
-    experiment.coordinates.push_back(release_coordinate(fitted, c, options, 0.0));
+    experiment.coordinates.push_back(release_coordinate(usual_value(fitted, c), c, options, 0.0));
   }
   std::vector<std::string> names;
   for (const ReleaseCoordinate& c : experiment.coordinates) names.push_back(c.name);

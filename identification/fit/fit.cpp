@@ -315,7 +315,8 @@ FitResult fitted(const models::TrajectoryFamily& family, std::span<const Capture
   if (best) {
     const FitPoint& point = runs[*best].point;
     result.cost = runs[*best].cost;
-    const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
+    const Uncertainty uncertainty =
+        estimate_uncertainty(problem, residuals, point, options.uncertainty.profiles);
     result.information = uncertainty.information;
     if (problem.is_joined()) result.join_defect = descend.join_defect();
     add_coefficients(problem, point, uncertainty, result);

@@ -29,34 +29,38 @@ double usable(double dispersion) {
   return std::isnan(dispersion) ? 1.0 : std::max(dispersion, kLeastDispersion);
 }
 
-/// One over the diagonal of the inverse information: the curvature of each profile. 0 for coefficients that
-/// are not determined or lie at a bound, where they stay while another one is held.
-Eigen::VectorXd profile_curvatures(const Uncertainty& uncertainty) {
+/// One over the diagonal of the inverse information: the curvature of the profile of a coefficient. Others that lie
+/// at a bound stay there while it is held. 0 where it is not determined.
+double profile_curvature(const Uncertainty& uncertainty, std::size_t coefficient) {
   std::vector<int> free;
+  std::size_t place = 0;
   for (std::size_t k = 0; k < uncertainty.at_bound.size(); ++k) {
-    if (!uncertainty.at_bound[k]) free.push_back(static_cast<int>(k));
+    if (k == coefficient) place = free.size();
+    if (k == coefficient || !uncertainty.at_bound[k]) free.push_back(static_cast<int>(k));
   }
   const Eigen::MatrixXd information = uncertainty.information(free, free);
   const DeterminedInverse inverse = invert_determined(information, Eigen::VectorXd::Zero(information.rows()));
-  Eigen::VectorXd curvatures = Eigen::VectorXd::Zero(uncertainty.information.rows());
-  for (std::size_t k = 0; k < free.size(); ++k) {
-    const auto at = static_cast<Eigen::Index>(k);
-    if (inverse.determined[k]) curvatures[free[k]] = 1.0 / inverse.inverse(at, at);
-  }
-  return curvatures;
+  const auto at = static_cast<Eigen::Index>(place);
+  return inverse.determined[place] ? 1.0 / inverse.inverse(at, at) : 0.0;
 }
 
-/// The dispersion with which a profile has the width of the coefficient's standard error.
-double dispersion_of(const Coefficient& c, double curvature, double naive) {
+/// The dispersion with which a profile has the width of the coefficient's standard error, at a bound of the one that
+/// it would have if it were free; and the degrees of freedom on which that rests: from clusters where the error is,
+/// else from what is left over of the frames.
+ProfileOptions profile_options(const FitProblem& problem, const Uncertainty& uncertainty,
+                               const Coefficient& c, std::size_t coefficient) {
+  const auto at = static_cast<Eigen::Index>(coefficient);
   const double error = c.standard_error.value_or(c.naive_standard_error.value_or(0.0));
-  const double dispersion = error * error * curvature;
-  return dispersion > 0.0 ? usable(dispersion) : usable(naive);
-}
-
-/// Of the dispersion: from clusters where the error is, else from what is left over of the frames.
-double degrees_of_freedom(const FitProblem& problem, const Uncertainty& uncertainty, const Coefficient& c) {
-  if (!c.standard_error) return std::max(1, uncertainty.residual_freedom);
-  return error_degrees(c.effective_clusters.value_or(problem.cluster_count), problem.cluster_count);
+  const bool is_released = uncertainty.released_variance[at] > 0.0;
+  const double variance = is_released ? uncertainty.released_variance[at] : error * error;
+  const double dispersion = variance * profile_curvature(uncertainty, coefficient);
+  ProfileOptions options{.dispersion = usable(dispersion > 0.0 ? dispersion : uncertainty.dispersion)};
+  const double clusters =
+      is_released ? uncertainty.released_clusters[at] : c.effective_clusters.value_or(problem.cluster_count);
+  options.degrees_of_freedom = is_released || c.standard_error
+                                   ? error_degrees(clusters, problem.cluster_count)
+                                   : std::max(1, uncertainty.residual_freedom);
+  return options;
 }
 
 std::span<const double> span_of(const Eigen::VectorXd& values) {
@@ -115,7 +119,6 @@ void add_identifiability(const FitProblem& problem, const Uncertainty& uncertain
 void add_profiles(const models::TrajectoryFamily& family, const FitProblem& problem,
                   const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                   const Uncertainty& uncertainty, int max_iterations, FitResult& result) {
-  const Eigen::VectorXd curvatures = profile_curvatures(uncertainty);
   result.profiles.resize(result.coefficients.size());
   std::vector<long> evaluations(result.coefficients.size());
   parallel_for(result.coefficients.size(), [&](std::size_t k) {
@@ -127,12 +130,10 @@ void add_profiles(const models::TrajectoryFamily& family, const FitProblem& prob
                                .lower = c.lower,
                                .upper = c.upper};
     HeldFits fits(family, problem, residuals, point, static_cast<int>(k), max_iterations);
-    const double dispersion =
-        dispersion_of(c, curvatures[static_cast<Eigen::Index>(k)], uncertainty.dispersion);
     result.profiles[k] = profile(
         target, packed(point),
         [&](double value, const Eigen::VectorXd& neighbour) { return fits.solve(value, neighbour); },
-        {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, uncertainty, c)});
+        profile_options(problem, uncertainty, c, k));
     evaluations[k] = fits.evaluations();
   });
   result.evaluations += std::accumulate(evaluations.begin(), evaluations.end(), 0L);

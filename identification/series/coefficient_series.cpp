@@ -11,6 +11,7 @@
 #include "samara/base/names.h"
 #include "samara/base/require.h"
 #include "samara/base/text.h"
+#include "samara/base/unit_labels.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/fit_warnings.h"
 #include "samara/identification/series/series_fits.h"
@@ -109,7 +110,7 @@ FitOptions options_of_spans(const FitOptions& options, const SeriesSpans& spans,
   } else if (!result.segments.length) {
     result.segments.length = series.span;
   }
-  // A frame in m spans counts m times by 1/m.
+  // A frame in m spans counts m times: in the mean over all frames once.
   const double scale = std::sqrt(spans.overlap);
   result.loss.length_scale *= scale;
   for (auto& [name, value] : result.loss.scales) value *= scale;
@@ -185,22 +186,33 @@ double growth_of_errors(const FitResult& result) {
   return std::sqrt((1.0 + r) / (1.0 - r));
 }
 
-/// Everything a simulation of the first capture needs besides the series.
+/// Everything a simulation from the first instant on needs besides the series.
 void add_replay(const models::ModelInfo& model, const FitResult& result, const SeriesKnots& knots,
                 const FitOptions& options, CoefficientSeries& series) {
   std::map<std::string, std::string> units;
   for (const models::ParameterInfo& parameter : model.parameters) units[parameter.name] = parameter.unit;
   for (const models::StateInfo& state : model.states) units[state.name + "(0)"] = state.unit;
+  const CaptureFit& first = *std::ranges::min_element(result.captures, {}, &CaptureFit::start);
+  const bool is_late = first.start > knots.instants[0];
+  // The state of a running mean of frames is before the first of them.
+  const auto holds_at_first_frame = [&](std::string_view name) {
+    return (options.compared.averaged_frames == 1 && !is_late) || !name.ends_with("(0)");
+  };
   series.replay = options.unknowns.fixed;
   for (const Coefficient& c : result.coefficients) {
     if (units.contains(c.name) && std::ranges::count(knots.coefficients, c.name) == 0)
       series.replay[c.name] = c.value;
   }
-  // The state of a running mean of frames is before the first of them.
-  const auto holds_at_first_frame = [&](std::string_view name) {
-    return options.compared.averaged_frames == 1 || !name.ends_with("(0)");
-  };
-  const CaptureFit& first = result.captures.front();
+  if (is_late) {
+    const std::string unit = unit_suffix(series.time_unit);
+    std::erase_if(series.replay, [&](const auto& value) { return !holds_at_first_frame(value.first); });
+    series.warnings.add(
+        WarningKind::series,
+        fmt::format(
+            "the series begins at {:.6g}{}, and nothing is compared before {:.6g}{}: it has no initial "
+            "values for a replay",
+            knots.instants[0], unit, first.start, unit));
+  }
   for (const auto& [name, value] : first.known) {
     if (holds_at_first_frame(name)) series.replay[name] = value;
   }
@@ -337,8 +349,8 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
     result.coefficients.push_back(
         fits.describe(result.fit, c, chosen.factor, chosen.judgement, result.correlation_factor));
   }
-  add_replay(info, result.fit, spans.knots, options, result);
   add_series_warnings(options, result);
+  add_replay(info, result.fit, spans.knots, options, result);
   return result;
 }
 

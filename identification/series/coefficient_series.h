@@ -31,8 +31,9 @@
 /// change where the capture shows none.
 ///
 /// Spans either adjoin and are joined (the motion is one, as in a replay), or slide by `stride`, each with
-/// a start state of its own: then what the model misses in one span does not spoil the next, and frames
-/// that lie in several spans count by their share.
+/// a start state of its own: then what the model misses in one span does not spoil the next. A frame counts in
+/// each span in which it lies, by one over the mean number of these: less than once near the ends of a capture,
+/// where spans are fewer, and more than once between.
 ///
 /// Errors. With D the information of the captures about all shared values, P that of the differences, and phi
 /// the variance of a residual, cov = phi (D + P)^-1, phi = 2 cost/(n - own - trace((D + P)^-1 D)), and errors
@@ -51,8 +52,8 @@ struct SeriesOptions {
   std::vector<std::string> coefficients = {};
   /// Length of a span [s], or in the model's unit of time.
   double span = 0.0;
-  /// From span to span, at most the span; each then has a start state of its own. Empty: spans adjoin
-  /// and are joined.
+  /// From span to span, at most the span; each then has a start state of its own. Strides are so much shorter that
+  /// the last span ends at the last frame. Empty: spans adjoin and are joined.
   std::optional<double> stride = {};
   int order = 2;  ///< of the differences that are small: 1 or 2
   /// Of coefficients, in their units: the size of a difference between neighbours a stride apart. Those that
@@ -108,9 +109,9 @@ struct CoefficientSeries {
   std::vector<SmoothnessTrial> trials = {};
   double effective = 0.0;           ///< free values used by all coefficients
   double correlation_factor = 1.0;  ///< by which errors grew because residuals are correlated
-  /// What a replay needs besides: fixed parameters, coefficients that stayed constant, what is known of the
-  /// first capture or its own, and the state at its first frame ("s(0)", offsets added to what they shift;
-  /// not of averaged frames).
+  /// What a replay needs besides: fixed parameters, coefficients that stayed constant, and of the capture that begins
+  /// first what is known of it or its own, and the state at its first frame ("s(0)", offsets added to what they
+  /// shift; not of averaged frames, nor where nothing is compared at the first instant).
   std::map<std::string, double> replay = {};
   std::map<std::string, std::string> replay_units = {};
 

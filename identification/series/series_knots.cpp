@@ -102,6 +102,10 @@ class ClockedTrajectories final : public models::TrajectoryFamily {
     return family_->at(times, outputs, wanted);
   }
   const models::ParametricModel* equations() const override { return family_->equations(); }
+  std::unique_ptr<models::TrajectoryFamily> finer() const override {
+    std::unique_ptr<models::TrajectoryFamily> finer = family_->finer();
+    return finer ? std::make_unique<ClockedTrajectories>(std::move(finer)) : nullptr;
+  }
 
  private:
   std::unique_ptr<models::TrajectoryFamily> family_;

@@ -141,8 +141,9 @@ SeriesSpans series_spans(std::span<const Capture> captures, const FitOptions& op
     for (int k = 0; k < spans.count; ++k) centres.push_back(range.begin + (k + 0.5) * spans.spacing);
     spans.captures = std::move(seen);
   } else {
-    spans.spacing = *series.stride;
-    spans.count = 1 + static_cast<int>(std::floor((duration - series.span) / *series.stride + kRounding));
+    const double strides = std::ceil((duration - series.span) / *series.stride - kRounding);
+    spans.spacing = (duration - series.span) / strides;
+    spans.count = 1 + static_cast<int>(strides);
     double frames = 0.0, distinct = 0.0;
     for (const Capture& capture : seen) distinct += static_cast<double>(capture.times.size());
     for (int k = 0; k < spans.count; ++k) {

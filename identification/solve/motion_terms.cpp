@@ -189,8 +189,8 @@ MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
   if (own_information.size() > 0) known.diagonal() = own_information;
   // J_o^T J_o has the priors with a weight of 1 already.
   const Eigen::MatrixXd priors = equations.own_priors(own, own);
-  terms.own_priors = priors / std::max(slope, kLeastSlope);
-  const Eigen::MatrixXd beside = known + terms.own_priors - priors;
+  terms.own_priors = (priors + known) / std::max(slope, kLeastSlope);
+  const Eigen::MatrixXd beside = terms.own_priors - priors;
   terms.own_inverse = invert_determined(J_o.transpose() * J_o + beside, own_floor(problem, motion, own));
   terms.projection = terms.own_inverse.inverse * (J_o.transpose() * J_s);
   const Eigen::MatrixXd rest = J_s - J_o * terms.projection;

@@ -64,12 +64,12 @@ MotionEquations motion_equations(const FitProblem& problem, const Motion& motion
 /// What one motion says, its own unknowns eliminated.
 struct MotionTerms {
   std::vector<int> own_free;               ///< directions, over all segments
-  DeterminedInverse own_inverse;           ///< of J_o^T J_o, priors weighed by 1/slope
-  Eigen::MatrixXd own_priors;              ///< of that, what priors add
+  DeterminedInverse own_inverse;           ///< of J_o^T J_o, what was known beforehand weighed by 1/slope
+  Eigen::MatrixXd own_priors;              ///< of that, what was known: by priors, or from the box at a bound
   Eigen::MatrixXd projection;              ///< own_inverse J_o^T J_s
   Eigen::VectorXd shared_diagonal_before;  ///< of J_s^T J_s
   Eigen::MatrixXd normal;                  ///< J_s^T J_s without what the own unknowns explain
-  Eigen::MatrixXd prior_part;              ///< of that, what priors of own unknowns add
+  Eigen::MatrixXd prior_part;              ///< of that, what own_priors add
   Eigen::MatrixXd hessian;                 ///< the same weighed by psi'
   Eigen::VectorXd score;                   ///< gradient of the cost
   bool hessian_usable = true;

@@ -20,7 +20,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Sums over all motions, and the priors.
 struct Totals {
   Eigen::MatrixXd normal, hessian;  ///< without priors of shared unknowns
-  Eigen::MatrixXd own_priors;       ///< of the normal matrix, what priors of own unknowns add, over mean_dpsi
+  Eigen::MatrixXd own_priors;       ///< of the normal matrix, what was known of own unknowns, over mean_dpsi
   Eigen::MatrixXd priors;           ///< what those of shared ones add to the Hessian
   Eigen::VectorXd diagonal_before;
   Eigen::MatrixXd cluster_scores;                                  ///< shared x clusters
@@ -77,7 +77,7 @@ double naive_variance(const FitProblem& problem, const Totals& sum, double unkno
 ///
 ///     K (variance J^T J + P/m^2) K,
 ///
-/// where P has a part of the priors of own unknowns, too, eliminated with them.
+/// where P has a part of what was known of own unknowns, too, eliminated with them.
 Eigen::MatrixXd naive_covariance(const Totals& sum, const std::vector<int>& free, const Eigen::MatrixXd& K,
                                  double variance) {
   const double m = std::max(sum.mean_dpsi, kLeastSlope);
@@ -133,30 +133,69 @@ Eigen::MatrixXd scattered(const Eigen::MatrixXd& part, const std::vector<int>& i
   return whole;
 }
 
-/// The clustered errors of the free unknowns. Where the Hessian of the loss does not serve, mean(psi') J^T J
-/// stands in, and `replaced` says so.
-ClusterErrors clustered_errors(const FitProblem& problem, const Totals& sum, const std::vector<int>& free,
-                               bool all_determined, bool& replaced) {
-  const auto count = static_cast<Eigen::Index>(free.size());
-  ClusterErrors none{.covariance = Eigen::MatrixXd::Constant(count, count, kNaN),
-                     .shares = Eigen::MatrixXd::Zero(count, problem.cluster_count)};
-  if (problem.cluster_count < 2 || count == 0) return none;
+/// What cluster_errors() asks for; no clusters where there are no errors.
+struct ClusterParts {
+  std::vector<ClusterTerms> terms;
+  Eigen::MatrixXd priors;
+};
+
+/// Of the free unknowns. Where the Hessian of the loss does not serve, mean(psi') J^T J stands in, and `replaced`
+/// says so.
+ClusterParts cluster_parts(const FitProblem& problem, const Totals& sum, const std::vector<int>& free,
+                           bool all_determined, bool& replaced) {
+  if (problem.cluster_count < 2 || free.empty()) return {};
   const Eigen::LLT<Eigen::MatrixXd> hessian(sum.full_hessian()(free, free).eval());
   replaced = !sum.hessian_usable || hessian.info() != Eigen::Success;
   const bool with_normal = replaced || !all_determined;
-  if (with_normal && sum.mean_dpsi <= kLeastSlope) return none;
-  std::vector<ClusterTerms> clusters;
+  if (with_normal && sum.mean_dpsi <= kLeastSlope) return {};
+  ClusterParts clusters{.terms = {}, .priors = sum.priors(free, free)};
   for (std::size_t c = 0; c < sum.cluster_hessians.size(); ++c) {
     const Eigen::MatrixXd terms =
         with_normal ? Eigen::MatrixXd(sum.mean_dpsi * sum.cluster_normals[c]) : sum.cluster_hessians[c];
-    clusters.push_back({terms(free, free), sum.cluster_scores.col(static_cast<Eigen::Index>(c))(free)});
+    clusters.terms.push_back({terms(free, free), sum.cluster_scores.col(static_cast<Eigen::Index>(c))(free)});
   }
-  Eigen::MatrixXd priors = sum.priors(free, free);
   // What is not determined has no error; here it must only not be in the way of the rest.
   constexpr double kRidge = 1e-10;
+  Eigen::MatrixXd& priors = clusters.priors;
   if (!all_determined)
     priors.diagonal() += kRidge * (sum.mean_dpsi * sum.diagonal_before(free) + priors.diagonal());
-  return cluster_errors(clusters, priors);
+  return clusters;
+}
+
+/// The clustered errors of the free unknowns.
+ClusterErrors clustered_errors(const FitProblem& problem, const Totals& sum, const std::vector<int>& free,
+                               bool all_determined, bool& replaced) {
+  const auto count = static_cast<Eigen::Index>(free.size());
+  const ClusterParts clusters = cluster_parts(problem, sum, free, all_determined, replaced);
+  if (!clusters.terms.empty()) return cluster_errors(clusters.terms, clusters.priors);
+  return {.covariance = Eigen::MatrixXd::Constant(count, count, kNaN),
+          .shares = Eigen::MatrixXd::Zero(count, problem.cluster_count)};
+}
+
+/// Released variances and clusters. Of an unknown at a bound scores do not sum to nothing: they are taken at the
+/// minimum beyond it, to first order.
+void add_released(const FitProblem& problem, const Totals& sum, const FitPoint& point,
+                  const Eigen::VectorXd& floor, Uncertainty& result) {
+  const Eigen::VectorXd gradient = sum.cluster_scores.rowwise().sum() + prior_terms(problem, point).gradient;
+  for (std::size_t k = 0; k < result.at_bound.size(); ++k) {
+    if (!result.at_bound[k] || !result.determined[k]) continue;
+    std::vector<char> held = result.at_bound;
+    held[k] = 0;
+    const std::vector<int> free = free_indices(held);
+    const DeterminedInverse inverse = invert_determined(sum.full_normal()(free, free), floor(free));
+    const auto at = std::ranges::find(free, static_cast<int>(k)) - free.begin();
+    bool replaced = false;
+    ClusterParts clusters = cluster_parts(problem, sum, free, inverse.all_determined(), replaced);
+    if (clusters.terms.empty() || !inverse.determined[static_cast<std::size_t>(at)]) continue;
+    Eigen::MatrixXd hessian = clusters.priors;
+    for (const ClusterTerms& cluster : clusters.terms) hessian += cluster.hessian;
+    const Eigen::VectorXd step = hessian.llt().solve(gradient(free));
+    for (ClusterTerms& cluster : clusters.terms) cluster.score -= cluster.hessian * step;
+    const ClusterErrors errors = cluster_errors(clusters.terms, clusters.priors);
+    const auto place = static_cast<Eigen::Index>(k);
+    result.released_variance[place] = errors.covariance(at, at);
+    result.released_clusters[place] = effective_clusters(errors.shares.row(at).transpose());
+  }
 }
 
 /// The Hessian of the cost where it is one of a minimum, else what stands in for it.
@@ -179,7 +218,7 @@ void hide(const std::vector<char>& has_error, Eigen::MatrixXd& matrix) {
 }  // namespace
 
 Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
-                                 const FitPoint& point) {
+                                 const FitPoint& point, bool with_released) {
   Uncertainty result;
   evaluate_all(residuals, point);
   const double slope = mean_slope(problem, residuals);
@@ -231,6 +270,9 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   result.clustered = scattered(clustered.covariance, free, all);
   result.cluster_shares = Eigen::MatrixXd::Zero(all, problem.cluster_count);
   result.cluster_shares(free, Eigen::all) = clustered.shares;
+  result.released_variance.setConstant(all, kNaN);
+  result.released_clusters = result.released_variance;
+  if (with_released) add_released(problem, loose, point, floor, result);
   for (std::size_t c = 0; c < terms.size(); ++c) {
     const Eigen::MatrixXd covariance = own_covariance(terms[c], result.naive, variance, slope);
     for (std::size_t k = 0; k < problem.motions[c].segment_count; ++k) {

@@ -23,6 +23,9 @@ struct Uncertainty {
   Eigen::MatrixXd clustered;  ///< all NaN for fewer than two clusters
   Eigen::MatrixXd naive;
   Eigen::MatrixXd cluster_shares;  ///< as ClusterErrors::shares; zero at a bound
+  /// Of an unknown at a bound, from two or more clusters: the variance that it would have if it were free, and its
+  /// effective clusters. NaN elsewhere, and where it was not asked for.
+  Eigen::VectorXd released_variance, released_clusters;
   std::vector<char> at_bound;
   std::vector<char> determined;
   std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse
@@ -42,7 +45,9 @@ struct Uncertainty {
 
 /// @param residuals one per segment; scratch, left at `point`
 /// @param point a minimum, at which there are trajectories
+/// @param with_released whether what unknowns at bounds would have if they were free is wanted: as much work for each
+///   as all other errors together
 Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
-                                 const FitPoint& point);
+                                 const FitPoint& point, bool with_released = false);
 
 }  // namespace samara::identification

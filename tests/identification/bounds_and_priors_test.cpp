@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/step_trajectories.h"
@@ -145,6 +146,40 @@ TEST_CASE("a prior of own coordinates counts with its own deviation in the error
   CHECK(error > 2.0 * std::sqrt(dispersion * inverse(0, 0)));
 }
 
+TEST_CASE(
+    "a capture's own coordinate at its bound counts in errors of shared ones with the deviation of its box") {
+  // x = s + u with u at the end of its box, since a prior holds s lower. Frames say of s what they say of x, less the
+  // deviation of the box of u: D = 1/(width^2/12 + scale^2/N). With the dispersion f of the residuals the variance is
+  // (D^2 (width^2/12 + f scale^2/N) + P)/(D + P)^2.
+  constexpr double kScale = 0.05, kWidth = 0.3, kMean = 0.5, kDeviation = 0.2;
+  constexpr int kCount = 9;
+  const ClosedFormFamily sum({.model = "sum of two",
+                              .coordinates = {{"s", "m", false, -5.0, 5.0}, {"u", "m", false, 0.0, kWidth}},
+                              .outputs = {{"x", "m"}}},
+                             [](std::span<const double> q, double, auto& values, auto* derivatives) {
+                               values << q[0] + q[1];
+                               if (derivatives) *derivatives << 1.0, 1.0;
+                             });
+  std::mt19937_64 random(3);
+  Capture capture = make_capture("a", even_times(kCount, 2.0), Eigen::VectorXd::Constant(kCount, 1.2));
+  add_noise(capture, 0.02, random);
+  FitOptions options;
+  options.loss = {.kind = LossKind::none, .length_scale = kScale};
+  options.unknowns.per_capture = {"u"};
+  options.priors.coordinates["s"] = {.mean = kMean, .deviation = kDeviation};
+  options.starts.count = 1;
+  const FitResult result = fit(sum, std::vector{capture}, options);
+  REQUIRE(result.captures.at(0).nuisances.at(0).at_bound);
+  const double N = kCount / (kScale * kScale), P = 1.0 / (kDeviation * kDeviation);
+  const double s = result.coefficients.at(0).value;
+  const double dispersion =
+      ((capture.channels[0].values.array() - s - kWidth) / kScale).matrix().squaredNorm() /
+      (kCount - N / (N + P));
+  const double of_box = kWidth * kWidth / 12.0, D = 1.0 / (of_box + 1.0 / N);
+  const double expected = std::sqrt(D * D * (of_box + dispersion / N) + P) / (D + P);
+  CHECK_THAT(result.coefficients.at(0).naive_standard_error.value(), WithinRel(expected, 1e-6));
+}
+
 TEST_CASE("a coefficient that only its prior holds has the prior's error, and is said to rest on it") {
   // k acts on x only through v(0)/k (1 - exp(-k t)); in captures of one instant the two cannot be told apart.
   const std::vector<double> times = {0.0, 1.0, 1.0 + 1e-9, 1.0 + 2e-9};
@@ -234,6 +269,39 @@ TEST_CASE("the profile beside a coefficient at its bound is that with the coeffi
   CHECK_THAT(with_free.interval_upper.value() - with_free.best,
              WithinRel(with_held.interval_upper.value() - with_held.best, 1e-2) ||
                  WithinRel(with_held.best - with_held.interval_lower.value(), 1e-2));
+}
+
+TEST_CASE("the profile of a coefficient at its bound counts captures as that of a free one does") {
+  // x = v a, and v is 1.025 in the mean of the captures. With N = a^T a/scale^2 of each, the dispersion is that of
+  // their scatter, 4/3 sum (N (v - mean))^2 over 4 N.
+  Bounded bounded;
+  const std::vector<double> times = even_times(12, 0.4);
+  const Eigen::Vector4d v(0.9, 1.0, 1.05, 1.15);
+  for (std::size_t c = 0; c < 4; ++c)
+    bounded.captures[c].channels[0].values =
+        BrakedFamily::depths(1.0, v[static_cast<Eigen::Index>(c)], times);
+  bounded.options.unknowns.fixed["k"] = 1.0;
+  bounded.options.unknowns.shared = std::vector<std::string>{"v(0)"};
+  bounded.options.uncertainty.profiles = true;
+  bounded.options.starts.count = 1;
+  const FitResult held = fit(BrakedFamily(), bounded.captures, bounded.options);
+  REQUIRE(held.coefficients.at(0).at_bound);
+  const double N = BrakedFamily::depths(1.0, 1.0, times).squaredNorm() / (2e-3 * 2e-3);
+  const double scatter = (v.array() - v.mean()).matrix().squaredNorm();
+  const Profile& profile = held.profiles.at(0);
+  CHECK_THAT(profile.dispersion, WithinRel(N * scatter / 3.0, 1e-6));
+  CHECK_THAT(profile.degrees_of_freedom, WithinAbs(3.0, 1e-9));
+
+  bounded.options.unknowns.box["v(0)"] = {0.3, 3.0};
+  const FitResult free = fit(BrakedFamily(), bounded.captures, bounded.options);
+  REQUIRE_FALSE(free.coefficients.at(0).at_bound);
+  CHECK_THAT(profile.dispersion, WithinRel(free.profiles.at(0).dispersion, 1e-4));
+  CHECK_THAT(profile.degrees_of_freedom, WithinAbs(free.profiles.at(0).degrees_of_freedom, 1e-9));
+  // Of one capture frames are all there is.
+  bounded.options.unknowns.box["v(0)"] = {0.3, 1.0};
+  const FitResult single = fit(BrakedFamily(), std::vector{bounded.captures.back()}, bounded.options);
+  REQUIRE(single.coefficients.at(0).at_bound);
+  CHECK(single.profiles.at(0).degrees_of_freedom == 12.0);
 }
 
 TEST_CASE("a later start without trajectories does not change the errors of the best one") {

@@ -14,6 +14,8 @@
 #include "samara/identification/series/series_codebook.h"
 #include "samara/identification/series/series_config.h"
 #include "samara/identification/series/series_knots.h"
+#include "samara/identification/series/series_report.h"
+#include "samara/identification/series/series_spans.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 
@@ -50,7 +52,7 @@ const std::map<std::string, double>& plate_fixed() {
 }
 
 /// A fluttering plate, by CVODES, in its first swings.
-Capture fluttering(double height, std::uint64_t seed) {
+Capture fluttering(double height, std::uint64_t seed, double noise = kSeriesNoise) {
   std::map<std::string, double> values = plate_fixed();
   values["theta(0)"] = 0.6;
   values["vx(0)"] = 0.5;
@@ -60,7 +62,17 @@ Capture fluttering(double height, std::uint64_t seed) {
   for (int k = 0; k < kSeriesFrames; ++k) times.push_back(kSeriesEnd * k / (kSeriesFrames - 1));
   const auto trajectory =
       samara::models::integrate(samara::models::ParametricModel(model, values, {}), {}, times);
-  return seen_plate(times, trajectory.states, kSeriesNoise, seed);
+  return seen_plate(times, trajectory.states, noise, seed);
+}
+
+/// Every `step`th frame from one on.
+Capture thinned(const Capture& capture, Eigen::Index first, Eigen::Index step = 1) {
+  const Eigen::Index last = capture.times.size() - 1;
+  const auto frames = Eigen::seq(first, last, step);
+  Capture some = capture;
+  some.times = Eigen::VectorXd(capture.times(frames));
+  for (Channel& channel : some.channels) channel.values = Eigen::VectorXd(channel.values(frames));
+  return some;
 }
 
 FitOptions series_options() {
@@ -243,6 +255,40 @@ TEST_CASE("spans that slide recover the coefficient too, with start states of th
   CHECK(misses(series, 0.6) <= 1);
 }
 
+TEST_CASE("spans that slide reach from the first frame to the last, a stride or less apart") {
+  const auto spans = [](double stride) {
+    return series_spans(std::vector{fluttering(0.0, 1)}, series_options(),
+                        {.coefficients = {"C_R"}, .span = 1.6, .stride = stride});
+  };
+  const SeriesSpans uneven = spans(1.5);
+  CHECK(uneven.count == 6);
+  CHECK_THAT(uneven.spacing, WithinAbs(1.28, 1e-12));
+  CHECK(uneven.captures.back().times.tail<1>()[0] == kSeriesEnd);
+  CHECK_THAT(uneven.knots.instants[6], WithinAbs(kSeriesEnd - 0.8, 1e-12));
+  const SeriesSpans even = spans(1.6);
+  CHECK(even.count == 5);
+  CHECK_THAT(even.spacing, WithinAbs(1.6, 1e-12));
+}
+
+TEST_CASE("a series says what its steps cost, and warns where they are too long") {
+  FitOptions options = series_options();
+  options.segments.length = 2.0;
+  const SeriesOptions straight = {.coefficients = {"C_R"}, .span = 0.8, .scales = {{"C_R", 1e-4}}};
+  const auto with = [&](const Capture& capture, double step) {
+    options.solver.step = step;
+    return fit_series(find_model("falling_plate_nd"), std::vector{capture}, options, straight);
+  };
+  const Capture capture = fluttering(0.0, 6, 1e-6);
+  const CoefficientSeries fine = with(capture, 0.01);
+  CHECK(fine.fit.integration_shift.value() < 0.1);
+  CHECK_FALSE(fine.warnings.has(WarningKind::steps, "steps of the integration are too long"));
+  // Steps of 0.4: one from frame to frame.
+  const CoefficientSeries coarse = with(thinned(capture, 0, 6), 0.5);
+  CHECK(coarse.fit.integration_shift.value() > 0.1);
+  CHECK(coarse.warnings.has(WarningKind::steps, "steps of the integration are too long"));
+  CHECK_THAT(series_text(coarse), Contains("steps of half the length would move no value by more than"));
+}
+
 TEST_CASE("the caller's smoothness is the one used, and a hard one gives a straight line") {
   const CoefficientSeries series =
       series_of(fluttering(0.6, 5), {.coefficients = {"C_R"}, .span = 0.8, .scales = {{"C_R", 1e-4}}});
@@ -293,6 +339,33 @@ TEST_CASE("a replay has what is known of the capture, and what is its own where 
   // The state is half a mean before the first frame.
   CHECK_FALSE(series.replay.contains("theta(0)"));
   CHECK_FALSE(series.replay.contains("x(0)"));
+}
+
+TEST_CASE("a replay begins with the capture that begins first, or says that it has no initial values") {
+  const SeriesOptions given = {.coefficients = {"C_R"}, .span = 0.8, .scales = {{"C_R", 0.1}}};
+  const Capture whole = fluttering(0.6, 5);
+  const auto of = [&](const std::vector<Capture>& captures) {
+    return fit_series(find_model("falling_plate_nd"), captures, series_options(), given);
+  };
+  {
+    Capture late = thinned(whole, 12);
+    late.id = "late";
+    const CoefficientSeries series = of({late, whole});
+    INFO(series.message);
+    REQUIRE(series.status == samara::Termination::converged);
+    CHECK_THAT(series.replay.at("theta(0)"), WithinAbs(0.6, 3.0 * kSeriesNoise));
+    CHECK(distance(series, whole, false) < 3.0 * kSeriesNoise);
+    CHECK_FALSE(series.warnings.has(WarningKind::series, "no initial values"));
+  }
+  Capture blind = whole;
+  for (Channel& channel : blind.channels) channel.values[0] = NAN;
+  const CoefficientSeries series = of({blind});
+  REQUIRE(series.status != samara::Termination::failed);
+  CHECK(series.replay.contains("mu1"));
+  CHECK_FALSE(series.replay.contains("theta(0)"));
+  CHECK_FALSE(series.replay.contains("x(0)"));
+  CHECK(series.warnings.has(WarningKind::series,
+                            "nothing is compared before 0.0666667: it has no initial values"));
 }
 
 TEST_CASE("what is asked of constant coefficients or joined segments is refused where there is no answer") {

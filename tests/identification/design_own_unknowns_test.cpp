@@ -1,4 +1,5 @@
 /// What a capture's own unknowns cost a design: start, offset, camera, attitude.
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "closed_form_family.h"
@@ -42,6 +43,25 @@ class SpinFamily final : public ClosedFormFamily {
   }
 };
 
+/// A body of SpinFamily that turns by 5 rad/s, seen with normal noise about each axis.
+Capture spinning(const std::string& id, double noise, std::mt19937_64& random) {
+  const std::vector<double> times = even_times(200, 2.0);
+  std::normal_distribution<double> normal(0.0, noise);
+  Eigen::MatrixX4d seen(200, 4);
+  for (Eigen::Index k = 0; k < 200; ++k) {
+    const Eigen::Vector3d turn(normal(random), normal(random), normal(random));
+    const Eigen::Quaterniond q =
+        Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) *
+        Eigen::AngleAxisd(5.0 * times[static_cast<std::size_t>(k)], Eigen::Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(turn.norm(), turn.normalized());
+    seen.row(k) << q.w(), q.x(), q.y(), q.z();
+  }
+  Capture capture = make_capture(id, times, seen.col(0));
+  capture.channels = {
+      {"qw", "1", seen.col(0)}, {"qx", "1", seen.col(1)}, {"qy", "1", seen.col(2)}, {"qz", "1", seen.col(3)}};
+  return capture;
+}
+
 }  // namespace
 
 TEST_CASE("a design eliminates speed, offset and camera of a capture as the next fit does") {
@@ -80,7 +100,7 @@ TEST_CASE("a design counts an attitude by the turn about each axis") {
   FitResult fitted{.status = samara::Termination::converged, .message = "converged", .model = "spin"};
   fitted.setup = setup;
   fitted.coefficients = {{"w", "rad/s", 5.0, 0.1, 20.0, {}, kSpinError}};
-  fitted.residuals = {{"attitude", "rad", kTurnNoise}};
+  fitted.residuals = {{"attitude", "rad", std::sqrt(3.0) * kTurnNoise}};  // of the whole turn
   const Design design =
       design_experiment(SpinFamily(), fitted, {.duration = 2.0, .frames = kFrames, .draws = 1});
   // The start is free, so what tells the rate is how far times lie from their mean: var = sigma^2/sum (t -
@@ -92,4 +112,44 @@ TEST_CASE("a design counts an attitude by the turn about each axis") {
   REQUIRE(design.outputs.size() == 1);
   CHECK(design.outputs[0].output == "attitude");
   CHECK_THAT(design.outputs[0].without, WithinRel(1.0, 1e-9));
+}
+
+TEST_CASE("a design takes the noise of attitudes about each axis from the turns that a fit left") {
+  constexpr double kTurnNoise = 0.02;
+  std::mt19937_64 random(8);
+  const std::vector captures = {spinning("a", kTurnNoise, random), spinning("b", kTurnNoise, random)};
+  FitOptions options;
+  options.loss = {.kind = LossKind::none, .attitude_scale = kTurnNoise};
+  options.starts.initial["w"] = 5.0;
+  options.starts.count = 1;
+  const FitResult fitted = fit(SpinFamily(), captures, options);
+  REQUIRE(fitted.is_usable());
+  const std::vector<std::vector<double>> release = {{1.0, 0.0, 0.0, 0.0}};
+  const Design design = assess_releases(SpinFamily(), fitted, release);
+  REQUIRE(design.outputs.size() == 1);
+  // Of 1200 values a level is known to 2 %.
+  CHECK_THAT(design.outputs[0].noise, WithinRel(kTurnNoise, 0.08));
+}
+
+TEST_CASE("attitudes that cannot be chosen are held at the mean of turns, of which q and -q are one") {
+  FitResult fitted{.status = samara::Termination::converged, .message = "converged", .model = "spin"};
+  fitted.setup.compared.outputs = {"qw", "qx", "qy", "qz"};
+  fitted.setup.unknowns = {.shared = {"w"}, .per_capture = {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}};
+  fitted.coefficients = {{"w", "rad/s", 5.0, 0.1, 20.0, {}, 0.5}};
+  fitted.noise = {{.outputs = {"attitude"}, .unit = "rad", .value = 0.02, .estimated = true}};
+  // Turns by 0.8 and 1.2 rad about x.
+  for (const auto& [half, sign] : {std::pair{0.4, 1.0}, std::pair{0.6, -1.0}}) {
+    CaptureFit capture;
+    capture.nuisances = {{"qw(0)", "1", sign * std::cos(half)},
+                         {"qx(0)", "1", sign * std::sin(half)},
+                         {"qy(0)", "1", 0.0},
+                         {"qz(0)", "1", 0.0}};
+    fitted.captures.push_back(capture);
+  }
+  const Design design = design_experiment(SpinFamily(), fitted,
+                                          {.duration = 2.0, .frames = 21, .release = {"qz(0)"}, .draws = 1});
+  REQUIRE(design.coordinates.size() == 4);
+  CHECK(design.coordinates[0].lower == design.coordinates[0].upper);
+  CHECK_THAT(design.coordinates[0].lower, WithinRel(std::cos(0.5), 1e-12));
+  CHECK_THAT(design.coordinates[1].lower, WithinRel(std::sin(0.5), 1e-12));
 }
