@@ -15,8 +15,8 @@
 /// particles gather where k is small). A body that crosses the eddies sees them pass in a shorter time, along its
 /// relative velocity T/sqrt(1 + b^2 s^2), across it T/sqrt(1 + 4 b^2 s^2), with s its mean relative velocity over
 /// sigma, b = 0.565 (6/C_0). The mean is over the last 10 T: of what is random a tenth of the variance is left in it,
-/// so that bodies without a drift through the fluid see T at most a tenth too short. A step is exact for whatever
-/// length while T and the gradient hold.
+/// so that bodies without a drift through the fluid see T too short: with C_0 = 6.5 by less than a tenth, more for
+/// small C_0. A step is exact for whatever length while T and the gradient hold.
 ///
 /// D. J. Thomson, J. Fluid Mech. 180 (1987) 529-556; J. D. Wilson, B. J. Legg, D. J. Thomson, Boundary-Layer
 /// Meteorol. 27 (1983) 163-169; J.-P. Minier, E. Peirano, Phys. Rep. 352 (2001) 1-214, for crossing trajectories.

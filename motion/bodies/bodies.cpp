@@ -199,16 +199,25 @@ struct Bodies::Impl {
     return down;
   }
 
-  /// At an event: the next piece, from the state at it.
-  void go_on(Eigen::Index p, int slot, const LaneRows<const double>& seen, std::vector<BodyEvent>& found) {
-    const Eigen::Index n = body_of(p, slot);
-    Body& one = body(n);
-    const Event& event = finders.event(n);
+  /// As in the sequences that chains are made of, what is steady cuts the past.
+  static void remember(Body& one, const Event& event) {
+    if (event.is_steady) {
+      one.past_count = 0;
+      return;
+    }
     if (one.past_count == MarkovChain::kMostOrder) {
       std::shift_left(one.past.begin(), one.past.end(), 1);
       --one.past_count;
     }
     one.past[static_cast<std::size_t>(one.past_count++)] = static_cast<int>(event.kind);
+  }
+
+  /// At an event: the next piece, from the state at it.
+  void go_on(Eigen::Index p, int slot, const LaneRows<const double>& seen, std::vector<BodyEvent>& found) {
+    const Eigen::Index n = body_of(p, slot);
+    Body& one = body(n);
+    const Event& event = finders.event(n);
+    remember(one, event);
     const std::span<const int> past(one.past.data(), static_cast<std::size_t>(one.past_count));
     const std::span<NextPiece> wanted(choices.data(), static_cast<std::size_t>(std::max(1, options.tries)));
     const std::size_t count = options.choice == BodiesOptions::Choice::chain
@@ -217,7 +226,7 @@ struct Bodies::Impl {
     // Nothing is near a state whose squares are infinite.
     if (count == 0) return lose(p, slot);
     const NextPiece piece = best_of(n, slot, seen, wanted.first(count));
-    note({n, event.t, event.kind, one.planned, piece}, found);
+    note({n, event.t, event.kind, event.is_steady, one.planned, piece}, found);
     one.planned = piece.kind;
     one.followed = piece.segment;
     const Eigen::VectorXd& target = pieces.coefficients(piece);
@@ -236,8 +245,10 @@ struct Bodies::Impl {
 
   void note(const BodyEvent& event, std::vector<BodyEvent>& found) {
     ++counts.events;
-    counts.planned += event.planned.has_value();
-    counts.kept += event.planned == event.kind;
+    if (!event.is_steady) {
+      counts.planned += event.planned.has_value();
+      counts.kept += event.planned == event.kind;
+    }
     counts.drawn += event.next.drawn.has_value();
     counts.taken += event.next.drawn == event.next.kind;
     counts.redrawn += event.next.is_of_chain && event.next.drawn != event.next.kind;

@@ -36,6 +36,7 @@ struct BodyEvent {
   Eigen::Index body = 0;
   double t = 0.0;                          ///< s since its release
   EventKind kind = EventKind::swing_plus;  ///< of the segment that ended
+  bool is_steady = false;                  ///< as Event::is_steady: its kind counts for nothing
   std::optional<EventKind> planned;        ///< the kind of the piece that was chosen for that segment
   NextPiece next;                          ///< with the kind that the chain drew, if it did
 };
@@ -44,7 +45,7 @@ struct BodyEvent {
 struct BodyCounts {
   long events = 0;
   long dropped = 0;  ///< that events() had no room for
-  long planned = 0;  ///< that ended a segment for which a piece was chosen ..
+  long planned = 0;  ///< that ended a segment for which a piece was chosen, those that are steady left out ..
   long kept = 0;     ///< .. and were of its kind
   long drawn = 0;    ///< at which a chain drew a kind ..
   long taken = 0;    ///< .. and a piece of it was taken ..

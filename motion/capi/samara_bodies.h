@@ -80,7 +80,7 @@ size_t samara_bodies_falling(const samara_bodies* bodies);
 /* Of all events since the bodies were opened. */
 typedef struct samara_bodies_counts {
   long events;
-  long planned; /* that ended a segment for which a piece was chosen .. */
+  long planned; /* that ended a segment for which a piece was chosen, steady ones left out .. */
   long kept;    /* .. and were of its kind */
   long drawn;   /* at which the chain drew a kind .. */
   long taken;   /* .. and a piece of it was taken .. */

@@ -86,6 +86,8 @@ void write_runs(io::Hdf5Writer& file, const MotionDatabase& database) {
                       return static_cast<int>(run.pattern);
                     }));
   file.write_texts("/pattern_names", pattern_names());
+  file.write_vector("/runs/settle",
+                    column_of(database.runs, [](const MotionRun& run) { return run.settle; }));
   file.write_vector("/run_first", column_of(database.run_first, [](Eigen::Index n) { return n; }));
   file.write_matrix("/frames", database.frames);
 }
@@ -181,9 +183,12 @@ void read_runs(const io::Hdf5Reader& file, MotionDatabase& database) {
   const auto falls = numbers_below(file, "/runs/fall", values.rows(), kMostFalls);
   const auto patterns =
       numbers_below(file, "/runs/pattern", values.rows(), static_cast<Eigen::Index>(kPatterns));
+  Eigen::VectorXd settle = Eigen::VectorXd::Constant(values.rows(), database.settle);
+  // Older files have one for all.
+  if (file.has("/runs/settle")) settle = file.vector("/runs/settle", {.rows = values.rows()});
   for (Eigen::Index n = 0; n < values.rows(); ++n) {
     const auto k = static_cast<std::size_t>(n);
-    database.runs.push_back({falls[k], values.row(n), static_cast<Pattern>(patterns[k])});
+    database.runs.push_back({falls[k], values.row(n), static_cast<Pattern>(patterns[k]), settle[n]});
   }
   const auto states = static_cast<Eigen::Index>(database.state_names.size());
   database.frames = file.matrix("/frames", {.columns = states});

@@ -16,9 +16,16 @@ namespace {
 
 constexpr int kKindCount = static_cast<int>(kEventKinds);
 
-std::array<int, kEventKinds> kind_counts(const MotionDatabase& database) {
-  std::array<int, kEventKinds> counts = {};
-  for (const MotionSegment& segment : database.segments) ++counts[static_cast<std::size_t>(segment.kind)];
+/// Segments of each kind, and steady ones, whose kind would be round-off.
+struct KindCounts {
+  std::array<int, kEventKinds> kinds = {};
+  int steady = 0;
+};
+
+KindCounts kind_counts(const MotionDatabase& database) {
+  KindCounts counts;
+  for (const MotionSegment& segment : database.segments)
+    ++(segment.is_steady ? counts.steady : counts.kinds[static_cast<std::size_t>(segment.kind)]);
   return counts;
 }
 
@@ -107,9 +114,10 @@ std::string chain_text(const MotionDatabase& database, const OrderChoice& choice
 std::string database_text(const MotionDatabase& database, const MotionGraph& graph, const KindChain& kinds) {
   std::string text = fmt::format("{} segments of {} runs, {:.4g} s in the median:", database.segment_count(),
                                  database.runs.size(), median_duration_of(database));
-  const auto kinds_seen = kind_counts(database);
+  const KindCounts seen = kind_counts(database);
   for (std::size_t k = 0; k < kEventKinds; ++k)
-    text += fmt::format(" {} {}", kinds_seen[k], event_kind_names()[k]);
+    text += fmt::format(" {} {}", seen.kinds[k], event_kind_names()[k]);
+  if (seen.steady > 0) text += fmt::format(" {} steady", seen.steady);
   text += "\nthreshold  share in the largest component    edges\n";
   for (const ThresholdPoint& point : graph.curve) {
     text += fmt::format("{:9.4g}  {:30.3f}  {:>7}{}\n", point.threshold, point.share, point.edges,
@@ -131,8 +139,9 @@ std::string database_json(const MotionDatabase& database, const MotionGraph& gra
                                    {"runs", database.runs.size()},
                                    {"segments", database.segment_count()},
                                    {"median_duration", median_duration_of(database)}};
-  const auto kinds_seen = kind_counts(database);
-  for (std::size_t k = 0; k < kEventKinds; ++k) object["kinds"][event_kind_names()[k]] = kinds_seen[k];
+  const KindCounts seen = kind_counts(database);
+  for (std::size_t k = 0; k < kEventKinds; ++k) object["kinds"][event_kind_names()[k]] = seen.kinds[k];
+  object["steady"] = seen.steady;
   object["threshold"] = graph.threshold;
   object["threshold_curve"] = nlohmann::ordered_json::array();
   for (const ThresholdPoint& point : graph.curve)

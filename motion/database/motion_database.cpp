@@ -25,6 +25,11 @@ struct Source {
   std::vector<Eigen::Index> columns;  ///< of points, per coefficient
   std::vector<Eigen::Index> falls;    ///< those that were run
   Eigen::MatrixXd lanes;              ///< of these
+
+  std::vector<double> parameters(Eigen::Index lane) const {
+    const Eigen::VectorXd q = lanes.row(lane);
+    return model.parameters({q.data(), static_cast<std::size_t>(q.size())});
+  }
 };
 
 Source source_of(const Sweep& sweep) {
@@ -49,6 +54,14 @@ Source source_of(const Sweep& sweep) {
   }
   source.lanes = plan.lane_points(sweep.points)(source.falls, Eigen::all);
   return source;
+}
+
+/// What all lanes have: one coefficient of a disc may differ along and across it.
+BodySymmetry common_symmetry(const Source& source) {
+  BodySymmetry least = BodySymmetry::disc;
+  for (Eigen::Index n = 0; n < source.lanes.rows(); ++n)
+    least = std::min(least, MovingStates::of(*source.plan.model, source.parameters(n)).symmetry());
+  return least;
 }
 
 /// Segments of one run, as they are found.
@@ -128,17 +141,18 @@ void require_done(const models::WatchedBatch& batch) {
     throw NoResultError("cancelled before the motions were cut into segments");
 }
 
-/// Of the settled parts of all falls, down to where they landed: then the same share of their time has settled.
-double mean_square_speed(const Sweep& sweep, const Source& source, const MovingStates& moving,
+/// Of the settled parts of all falls, down to where they landed.
+double mean_square_speed(const Sweep& sweep, const Source& source, const MotionDatabase& database,
                          const DatabaseOptions& options) {
+  const MovingStates moving = database.moving_states();
   const auto count = source.lanes.rows();
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(count), counts = Eigen::VectorXd::Zero(count);
   const models::WatchedBatch batch =
       watch_batch(source.model, source.lanes,
                   [&](Eigen::Index n, double t, std::span<const double> state) {
-                    const double end = sweep.reached[source.falls[static_cast<std::size_t>(n)]];
-                    const double share = std::min(1.0, end / source.plan.until);
-                    if (t >= source.plan.settle * share && t <= end) {
+                    const auto k = static_cast<std::size_t>(n);
+                    const double end = sweep.reached[source.falls[k]];
+                    if (t >= database.runs[k].settle && t <= end) {
                       sums[n] += moving.at(state).velocity.squaredNorm();
                       counts[n] += 1.0;
                     }
@@ -184,6 +198,8 @@ MotionDatabase without_segments(const Sweep& sweep, const Source& source) {
     run.fall = fall;
     run.coefficients = sweep.points.row(sweep.point_of(fall))(source.columns);
     run.pattern = sweep.labels[static_cast<std::size_t>(fall)].pattern;
+    // A fall that landed early has settled at the same share of its time.
+    run.settle = source.plan.settle * std::min(1.0, sweep.reached[fall] / source.plan.until);
     database.runs.push_back(std::move(run));
   }
   const double ratio = std::ceil(source.plan.interval / source.plan.step * (1.0 - 1e-12));
@@ -224,12 +240,18 @@ MovingStates MotionDatabase::moving_states() const {
   return {models::find_model(model)->info(), symmetry};
 }
 
+PatternThresholds MotionDatabase::thresholds() const {
+  if (plan_text.empty()) return {};
+  return parse_sweep_plan(plan_text, "the plan of the database").thresholds;
+}
+
 std::vector<std::vector<int>> MotionDatabase::kind_sequences() const {
   std::vector<std::vector<int>> sequences(runs.size());
   std::vector<int> stretch;
   for (std::size_t n = 0; n < segments.size(); ++n) {
     const MotionSegment& segment = segments[n];
-    const bool counts = segment.begin >= settle && !segment.is_steady;
+    const double settled = runs[static_cast<std::size_t>(segment.run)].settle;
+    const bool counts = segment.begin >= settled && !segment.is_steady;
     if (counts) stretch.push_back(static_cast<int>(segment.kind));
     const bool is_last = !counts || n + 1 == segments.size() || segments[n + 1].run != segment.run;
     if (!is_last) continue;
@@ -248,13 +270,10 @@ MotionDatabase build_database(const Sweep& sweep, const DatabaseOptions& options
   const Source source = source_of(sweep);
   MotionDatabase database = without_segments(sweep, source);
   if (source.falls.empty()) throw ArgumentError("no fall of the sweep was run to its end: it has no motions");
-  const Eigen::VectorXd q = source.lanes.row(0);
-  const std::vector<double> parameters =
-      source.model.parameters({q.data(), static_cast<std::size_t>(q.size())});
-  const MovingStates moving = MovingStates::of(*source.plan.model, parameters);
-  database.symmetry = moving.symmetry();
-  database.body_length = MotionStates::body_length(*source.plan.model, parameters);
-  database.events = event_options(mean_square_speed(sweep, source, moving, options), database.body_length);
+  database.symmetry = common_symmetry(source);
+  database.body_length = MotionStates::body_length(*source.plan.model, source.parameters(0));
+  const MovingStates moving = database.moving_states();
+  database.events = event_options(mean_square_speed(sweep, source, database, options), database.body_length);
   Cutter cutter(sweep, source, database, database.step, std::lround(database.frame_interval / database.step));
   require_done(watch_batch(
       source.model, source.lanes,

@@ -28,6 +28,7 @@ struct MotionRun {
   Eigen::Index fall = 0;         ///< of the sweep
   Eigen::VectorXd coefficients;  ///< in the order of MotionDatabase::coefficient_names
   Pattern pattern = Pattern::unresolved;
+  double settle = 0.0;  ///< s that chains leave out
 };
 
 /// Between two events of a run.
@@ -51,9 +52,9 @@ struct MotionDatabase {
   std::vector<std::string> state_names;
   double step = 0.0;            ///< s, of the integration
   double frame_interval = 0.0;  ///< s
-  double settle = 0.0;          ///< s of each run that chains leave out
+  double settle = 0.0;          ///< s of a whole fall that chains leave out, see MotionRun::settle
   double body_length = 0.0;     ///< m
-  BodySymmetry symmetry = BodySymmetry::none;
+  BodySymmetry symmetry = BodySymmetry::none;  ///< that all runs have
   EventOptions events;
   Eigen::VectorXd metric_weights;
 
@@ -68,9 +69,11 @@ struct MotionDatabase {
   /// The segment that comes after, or -1.
   Eigen::Index next_of(Eigen::Index segment) const;
   MovingStates moving_states() const;
+  /// By which its runs have their patterns: those of `plan_text`. @throws InputError if that cannot be read
+  PatternThresholds thresholds() const;
   StateMetric metric() const { return StateMetric(metric_weights); }
-  /// Kinds of consecutive segments, run by run, without those that begin before `settle`: of each run the longest
-  /// stretch without a steady segment, whose kind would be round-off.
+  /// Kinds of consecutive segments, run by run, without those that begin before its `settle`: of each run the
+  /// longest stretch without a steady segment, whose kind would be round-off.
   std::vector<std::vector<int>> kind_sequences() const;
   /// The model with its fixed values, its coefficients free.
   /// @throws ArgumentError if this program does not know the model

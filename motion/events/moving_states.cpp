@@ -86,8 +86,13 @@ MovingStates MovingStates::of(const models::Model& model, std::span<const double
   const bool is_ellipsoid = a > 0.0 && b > 0.0 && value("c") > 0.0;
   const bool is_centred = value("r_bx") == 0.0 && value("r_by") == 0.0 && value("r_bz") == 0.0;
   if (!is_ellipsoid || !is_centred) return plain;
-  const bool is_round =
-      a == b && value("I_x") == value("I_y") && value("linear_damping_x") == value("linear_damping_y");
+  // Added masses are integrals, equal but for round-off.
+  const auto are_equal = [&](const char* along, const char* across) {
+    const double x = value(along), y = value(across);
+    return std::abs(x - y) <= 1e-9 * std::max(std::abs(x), std::abs(y));
+  };
+  const bool is_round = a == b && are_equal("I_x", "I_y") && are_equal("M_x", "M_y") &&
+                        are_equal("J_x", "J_y") && are_equal("linear_damping_x", "linear_damping_y");
   return {info, is_round ? BodySymmetry::disc : BodySymmetry::ellipsoid};
 }
 

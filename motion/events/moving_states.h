@@ -20,7 +20,7 @@ struct BodyMotion {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< of the plate
 };
 
-/// Turns after which a body is the same.
+/// Turns after which a body is the same; of one kind of body those that come later hold those before.
 enum class BodySymmetry {
   none,
   half_turn,  ///< in the plane: by pi
@@ -34,8 +34,8 @@ class MovingStates {
   /// @throws ArgumentError unless the model has x, y, theta, vx, vy, w (velocities along body axes), or x, y, z,
   /// qw, .., qz, ux, uy, uz, wx, wy, wz.
   MovingStates(const models::ModelInfo& info, BodySymmetry symmetry);
-  /// With the symmetry that the model has at these parameters (all of them): disc if a = b, none if its centre of
-  /// buoyancy lies off its centre.
+  /// With the symmetry that the model has at these parameters (all of them): disc if a = b and what else has a part
+  /// along both is equal, none if its centre of buoyancy lies off its centre.
   static MovingStates of(const models::Model& model, std::span<const double> parameters);
 
   /// Of records: place, velocity and normal, nine numbers. They have no reduced states.

@@ -297,9 +297,7 @@ std::string pattern_html(const Sweep& sweep) {
   data["diagram"] = placed_data(sweep);
   data["box"] = box_data(sweep);
   ShownFalls shown;
-  const Eigen::Index stride =
-      std::max<Eigen::Index>(1, (sweep.fall_count() + kMostShownFalls - 1) / kMostShownFalls);
-  for (Eigen::Index n = 0; n < sweep.fall_count(); n += stride) {
+  for (const Eigen::Index n : drawn_numbers(sweep.fall_count(), kMostShownFalls)) {
     const auto k = static_cast<std::size_t>(n);
     shown.add(sweep.features[k], sweep.labels[k].pattern, sweep.release_of(n));
   }

@@ -15,8 +15,7 @@
 /// themselves are not ours to give.
 namespace samara::motion {
 
-/// Most falls whose features, and most points whose Re and I*, a page holds; of more it takes some, evenly spread, and
-/// says so.
+/// Most falls whose features, and most points whose Re and I*, a page holds; of more it draws so many, and says so.
 inline constexpr long kMostShownFalls = 4000, kMostShownBodies = 400;
 
 /// Of a sweep. Probabilities are those of PatternMap; which pattern follows which is known where the sweep keeps

@@ -61,19 +61,22 @@ Eigen::Vector2d nearest_on(const Eigen::Vector2d& from, const Eigen::Vector2d& t
 Eigen::MatrixX2d drawn_on(std::size_t number) {
   constexpr double kFar = 30.0;
   const Eigen::MatrixX2d line = logs(regime_boundaries()[number]);
-  Eigen::MatrixX2d all(line.rows() + 2, 2);
-  all.middleRows(1, line.rows()) = line;
-  all.row(0) = line.row(0);
-  all.row(all.rows() - 1) = line.row(line.rows() - 1);
+  // That of tumbling begins with the wall of kLeastChaoticRe above it.
+  constexpr std::array<Eigen::Index, 3> kBefore = {1, 0, 2};
+  const Eigen::Index first = kBefore[number];
+  Eigen::MatrixX2d all(first + line.rows() + 1, 2);
+  all.topRows(first).rowwise() = line.row(0);
+  all.middleRows(first, line.rows()) = line;
+  all.bottomRows(1) = line.bottomRows(1);
   if (number == 0) {
     all(0, 1) -= kFar;
     all(all.rows() - 1, 1) += kFar;
-  } else if (number == 1) {
-    all(0, 1) += kFar;  // the wall of kLeastChaoticRe
-    all(all.rows() - 1, 0) += kFar;
-  } else {
-    all(0, 0) = std::log(kLeastChaoticRe);
-    all(all.rows() - 1, 0) += kFar;
+    return all;
+  }
+  all(all.rows() - 1, 0) += kFar;
+  if (number == 2) {
+    all.col(0).head(first).setConstant(std::log(kLeastChaoticRe));
+    all(0, 1) += kFar;
   }
   return all;
 }

@@ -199,7 +199,7 @@ const std::vector<FeatureInfo>& feature_infos() {
       {"tilt", "rad", "95 % point of the angle of the normal from the vertical (plane: 5 to 95 % range)",
        true},
       {"flips", "1", "changes of the side that faces down", true},
-      {"coherence", "1", "half turns the same way: 1; there and back: -1", true},
+      {"coherence", "1", "half turns the same way: 1; there and back: -1 (plane: 0)", true},
       {"reversals", "1", "of the rotation, per half turn walked", true},
       {"recurrence", "1", "distance of the path to itself, a period later: 0 repeats, 1 never"},
       {"spread", "1", "Lyapunov exponent times the time of a swing"},

@@ -21,7 +21,7 @@ namespace samara::motion {
 enum class Feature : std::size_t {
   tilt,  ///< 95 % point of the angle of the normal from the vertical; of a planar motion, 5 to 95 % range of theta
   flips,       ///< changes of the side that faces down
-  coherence,   ///< +1: every half turn goes the same way; -1: there and back
+  coherence,   ///< 1: every half turn goes the same way; there and back: 0 in a plane, -1 in space
   reversals,   ///< of the rotation about its main axis, per half turn walked
   recurrence,  ///< 0: repeats itself exactly, 1: never, see features.cpp
   spread,      ///< Lyapunov exponent times the time of a swing; known of simulations that were asked for it

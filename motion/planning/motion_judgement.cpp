@@ -39,7 +39,7 @@ PatternLabel label_of_stretch(const PlannedFall& fall, const RealisedFall& real,
     record.normals.resize(0, 3);
     record.angles.resize(0);
   }
-  return label(features(record, {.settle_share = 0.0}));
+  return label(features(record, {.settle_share = 0.0}), fall.plan().sequence->thresholds);
 }
 
 /// Stretches of equal patterns, each judged as a whole.

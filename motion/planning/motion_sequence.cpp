@@ -27,6 +27,7 @@ struct NamedChain {
   MarkovChain chain;
   bool is_of_places = false;  ///< as MotionSequence::is_of_places
   int ends_in = -1;           ///< symbol after which nothing else comes; -1: there is none
+  std::optional<PatternThresholds> thresholds = {};  ///< by which captures were named, if they say so
 };
 
 constexpr std::int64_t kMostSegments = 100'000;
@@ -44,6 +45,14 @@ std::vector<std::vector<int>> kinds_of_pattern(const MotionDatabase& database, P
   }
   std::erase_if(sequences, [](const std::vector<int>& sequence) { return sequence.empty(); });
   return sequences;
+}
+
+std::optional<PatternThresholds> thresholds_of_captures(const nlohmann::json& answer) {
+  if (!answer.contains("thresholds")) return {};
+  PatternThresholds thresholds;
+  for (const auto& [name, value] : answer["thresholds"].items())
+    set_threshold(thresholds, name, value.get<double>());
+  return thresholds;
 }
 
 NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& file) {
@@ -90,7 +99,8 @@ NamedChain chain_of_windows(const nlohmann::json& answer, const std::string& fil
     }
   }
   const int size = static_cast<int>(symbols.size());
-  return {std::move(symbols), MarkovChain::fitted(sequences, size, 1), is_of_places};
+  return {std::move(symbols), MarkovChain::fitted(sequences, size, 1), is_of_places, -1,
+          thresholds_of_captures(answer)};
 }
 
 NamedChain chain_of_counts(const nlohmann::json& object, const std::string& file) {
@@ -133,6 +143,8 @@ NamedChain read_chain(const std::filesystem::path& path) {
     if (schema == "samara-chain/1") return chain_of_counts(object, file);
   } catch (const nlohmann::json::exception&) {
     throw InputError(file, fmt::format("is damaged: it does not hold what {} has", schema));
+  } catch (const ArgumentError& error) {
+    throw InputError(file, error.what());
   }
   throw InputError(file,
                    "is no chain, expected the answer of samara patterns --json on captures, or the schema "
@@ -238,6 +250,7 @@ class SequenceReader {
   void draw(const NamedChain& named, bool is_kind, std::size_t length) {
     draws_patterns_ = !is_kind;
     sequence_.is_of_places = named.is_of_places;
+    of_captures_ = named.thresholds;
     const std::int64_t events = is_kind ? 1 : table_.optional_integer("events").value_or(2);
     if (events < 1 || events > 1000)
       throw table_.error("events", fmt::format("is {}, expected 1 to 1000", events));
@@ -265,6 +278,7 @@ class SequenceReader {
       throw table_.error(must_be_known ? "patterns" : "chain",
                          "asks for patterns, which are what the falls of a database have: expected "
                          "database = \"..\" in the plan");
+    sequence_.thresholds = of_captures_ ? *of_captures_ : database_->thresholds();
     for (const AskedSegment& segment : sequence_.segments) {
       if (sequence_.of_pattern.contains(*segment.pattern)) continue;
       if (std::ranges::count(database_->runs, *segment.pattern, &MotionRun::pattern) > 0) {
@@ -283,6 +297,7 @@ class SequenceReader {
   const std::filesystem::path& folder_;
   const MotionDatabase* database_;
   MotionSequence sequence_;
+  std::optional<PatternThresholds> of_captures_;
   bool draws_patterns_ = false;
 };
 

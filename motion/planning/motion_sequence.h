@@ -45,6 +45,8 @@ struct MotionSequence {
   std::string origin;                 ///< "given", or what it was drawn from
   /// Whether its patterns are those of captures of which places alone were seen: then a fall is judged by its places.
   bool is_of_places = false;
+  /// Of the rule by which stretches are named: those of the captures, or else of the database.
+  PatternThresholds thresholds;
 
   bool is_drawn() const { return seed.has_value(); }
   /// Whether segments are asked for by pattern; else by kind.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -31,6 +32,21 @@ std::vector<Eigen::Index> nearest_rows(const Eigen::MatrixXd& places, const Eige
 }
 
 }  // namespace
+
+std::vector<Eigen::Index> drawn_numbers(Eigen::Index count, Eigen::Index most) {
+  std::vector<Eigen::Index> numbers(static_cast<std::size_t>(count));
+  std::iota(numbers.begin(), numbers.end(), 0);
+  if (count <= most) return numbers;
+  std::vector<double> drawn;
+  for (const Eigen::Index n : numbers) drawn.push_back(Stream(1, static_cast<std::uint64_t>(n)).uniform());
+  std::ranges::sort(numbers, [&](Eigen::Index a, Eigen::Index b) {
+    return std::pair(drawn[static_cast<std::size_t>(a)], a) <
+           std::pair(drawn[static_cast<std::size_t>(b)], b);
+  });
+  numbers.resize(static_cast<std::size_t>(most));
+  std::ranges::sort(numbers);
+  return numbers;
+}
 
 double room_beside(double lower, double upper) {
   return 1e-9 * std::max({upper - lower, std::abs(lower), std::abs(upper)});
@@ -135,22 +151,22 @@ MapAnswer PatternMap::at(const Eigen::VectorXd& point) const {
 }
 
 double PatternMap::left_one_out(const std::vector<Eigen::Index>& asked) const {
-  constexpr std::size_t kMost = 2000;
+  constexpr Eigen::Index kMost = 2000;
   const std::vector<Eigen::Index>& points = asked.empty() ? run_ : asked;
   const Eigen::MatrixXd places = places_(run_, Eigen::all);
   const Eigen::Index count = std::min<Eigen::Index>(kNeighbours + 1, places.rows());
-  const std::size_t stride = std::max<std::size_t>(1, (points.size() + kMost - 1) / kMost);
   double right = 0.0, all = 0.0;
-  for (std::size_t k = 0; k < points.size(); k += stride) {
+  for (const Eigen::Index k : drawn_numbers(std::ssize(points), kMost)) {
+    const Eigen::Index point = points[static_cast<std::size_t>(k)];
     std::vector<Eigen::Index> around;
-    for (const Eigen::Index n : nearest_rows(places, places_.row(points[k]), count))
+    for (const Eigen::Index n : nearest_rows(places, places_.row(point), count))
       around.push_back(run_[static_cast<std::size_t>(n)]);
-    if (const auto self = std::ranges::find(around, points[k]); self != around.end()) {
+    if (const auto self = std::ranges::find(around, point); self != around.end()) {
       around.erase(self);
     } else {
       around.pop_back();  // so many others lie at the same place
     }
-    right += answer(around).pattern == pattern(points[k]);
+    right += answer(around).pattern == pattern(point);
     all += 1.0;
   }
   return right / all;

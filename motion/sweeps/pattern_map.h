@@ -24,6 +24,10 @@ struct MapRegion {
   Eigen::Index falls = 0;
 };
 
+/// All numbers from 0 to `count` - 1, or of more than `most` so many of them, drawn, in order. Those at equal
+/// distances might show one half of an axis, of grids and Sobol' points alike, or one release of several.
+std::vector<Eigen::Index> drawn_numbers(Eigen::Index count, Eigen::Index most);
+
 /// How far outside its ends a coordinate counts as inside: round-off, also of an axis of a single value.
 double room_beside(double lower, double upper);
 
@@ -43,7 +47,7 @@ class PatternMap {
 
   /// Share of points whose neighbours, without itself, have its pattern most often: what the map is worth at places
   /// between its points. Only points that were run are asked, and only of each other: one that inherited its label has
-  /// it from its neighbours. Of at most 2,000 of them, evenly spread.
+  /// it from its neighbours. Of at most 2,000 of them, drawn.
   /// @param asked points; empty: all that were run
   double left_one_out(const std::vector<Eigen::Index>& asked = {}) const;
 

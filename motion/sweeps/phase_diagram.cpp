@@ -148,11 +148,8 @@ PlacedBodies placed_bodies(const Sweep& sweep, Eigen::Index most) {
   try {
     const SweepPlan plan = parse_sweep_plan(sweep.plan_text, "the plan of the sweep");
     const models::ParametricModel model = plan.parametric_model();
-    const Eigen::Index count = whole_points(sweep);
-    const Eigen::Index stride =
-        std::max<Eigen::Index>(1, (count + most - 1) / std::max<Eigen::Index>(1, most));
     std::map<std::pair<double, double>, std::size_t> seen;
-    for (Eigen::Index n = 0; n < count; n += stride) {
+    for (const Eigen::Index n : drawn_numbers(whole_points(sweep), most)) {
       const Eigen::VectorXd q = plan.lane_points(sweep.points.row(n)).row(0);
       const FallNumbers numbers =
           fall_numbers(*plan.model, model.parameters({q.data(), static_cast<std::size_t>(q.size())}));

@@ -41,7 +41,7 @@ struct PlacedBodies {
   std::string missing;              ///< why there are none
 };
 
-/// From the model and the values of the sweep's plan. @param most bodies: of more points some are taken, evenly spread
+/// From the model and the values of the sweep's plan. @param most bodies: of more points so many are drawn
 PlacedBodies placed_bodies(const Sweep& sweep, Eigen::Index most);
 
 }  // namespace samara::motion

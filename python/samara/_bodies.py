@@ -138,7 +138,7 @@ class Bodies:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Since they were made: ``events``; ``planned``, those that ended a chosen segment, and ``kept``, of its kind;
+        """Since they were made: ``events``; ``planned``, those that ended a chosen segment and are not steady, and ``kept``, of its kind;
         ``drawn``, at which the chain drew a kind, ``taken``, with a piece of it, and ``redrawn``, with one of a kind that it
         drew then, among those that were left."""
         return self._core.counts()

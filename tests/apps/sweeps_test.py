@@ -90,15 +90,17 @@ class Databases(Case):
         with h5py.File(path) as file:
             self.assertEqual(file.attrs["format"], b"samara-motions")
             start, end, runs = (file[f"segments/{name}"][:] for name in ("start", "end", "run"))
-            kinds = [file["kind_names"][int(k)].decode() for k in file["segments/kind"]]
+            steady = file["segments/is_steady"][:].astype(bool)
+            kinds = [file["kind_names"][int(k)].decode() for k in file["segments/kind"][:][~steady]]
             self.assertEqual(len(start), said["segments"])
+            self.assertEqual(steady.sum(), said["steady"])
             for kind in set(kinds):
                 self.assertEqual(kinds.count(kind), said["kinds"][kind])
             follows = runs[1:] == runs[:-1]      # one after another in a run: the end of one is the start of the next
             numpy.testing.assert_array_equal(end[:-1][follows], start[1:][follows])
             state = [name.decode() for name in file["state_names"]]
             turn = (end - start)[:, state.index("theta")]
-            numpy.testing.assert_array_equal([kind.startswith("turn") for kind in kinds], abs(turn) >= 0.6 * numpy.pi)
+            numpy.testing.assert_array_equal([kind.startswith("turn") for kind in kinds], abs(turn[~steady]) >= 0.6 * numpy.pi)
             fall = file["segments/displacement"][:, 2]
             for k in range(0, len(start), 9):       # its frames end where it does, to what a plate moves in two frames
                 frame = int(file["run_first"][int(runs[k])])

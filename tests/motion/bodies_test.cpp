@@ -128,7 +128,7 @@ TEST_CASE(
           seen.drawn += event.next.drawn.has_value();
           seen.taken += event.next.drawn == event.next.kind;
           seen.redrawn += event.next.is_of_chain && event.next.drawn != event.next.kind;
-          if (!event.planned) continue;
+          if (!event.planned || event.is_steady) continue;
           ++seen.planned;
           seen.kept += event.kind == *event.planned;
         }
@@ -150,6 +150,34 @@ TEST_CASE(
   one.advance(120.0);
   CHECK(one.events().size() == 4);
   CHECK(one.counts().dropped == one.counts().events - 4);
+}
+
+TEST_CASE("a steady stretch cuts what the chain remembers, and is none that was planned") {
+  const NextPieces& pieces = card_pieces();
+  REQUIRE(pieces.chain().order() > 0);
+  constexpr Eigen::Index kCount = 40;
+  constexpr std::uint64_t kSeed = 11;
+  Bodies bodies(pieces, kCount, {.seed = kSeed});
+  // Flat and from rest: nothing turns them.
+  std::vector<double> state(13), coefficients = {1.0, 1.5, 1.5};
+  state[3] = 1.0;
+  for (Eigen::Index n = 0; n < kCount; ++n) bodies.release(n, state, coefficients);
+  std::vector<bool> has_begun(kCount);
+  long planned = 0, steady = 0;
+  for (int k = 0; k < 180; ++k) {
+    bodies.advance(1.0 / 60.0);
+    for (const BodyEvent& event : bodies.events()) {
+      planned += event.planned && !event.is_steady;
+      steady += event.is_steady;
+      if (has_begun[static_cast<std::size_t>(event.body)]) continue;
+      has_begun[static_cast<std::size_t>(event.body)] = true;
+      REQUIRE(event.is_steady);
+      samara::Stream stream(kSeed, static_cast<std::uint64_t>(event.body));
+      CHECK(static_cast<int>(event.next.drawn.value()) == pieces.chain().draw({}, stream));
+    }
+  }
+  CHECK(steady > kCount);
+  CHECK(bodies.counts().planned == planned);
 }
 
 TEST_CASE("bodies come to rest on the ground, where their way met it") {

@@ -13,6 +13,7 @@
 #include "samara/models/laws/registry.h"
 #include "samara/motion/chains/chain_check.h"
 #include "samara/motion/database/database_file.h"
+#include "samara/motion/database/database_report.h"
 #include "samara/motion/database/motion_database.h"
 #include "samara/motion/database/segment_tree.h"
 #include "tests/error_text.h"
@@ -253,6 +254,63 @@ TEST_CASE("falls that are all steady have no events to cut them at") {
   CHECK(error_text<samara::ArgumentError>([&] {
           build_database(run_sweep(parse_sweep_plan(plan, "steady.toml")).sweep);
         }) == "all falls of the sweep are steady: there are no events to cut them at");
+}
+
+TEST_CASE("a fall that lands early has settled at the same share of its time, and chains have its kinds") {
+  std::string plan = plate_plan(40, "height = 15\n");
+  const std::string run = "until = 60\nstep = 0.05\nsettle = 10\n";
+  plan.replace(plan.find(run), run.size(), "until = 200\nstep = 0.05\nsettle = 50\n");
+  const Sweep sweep = run_sweep(parse_sweep_plan(plan, "plates.toml")).sweep;
+  const MotionDatabase database = build_database(sweep);
+  const auto sequences = database.kind_sequences();
+  int early = 0, told = 0;
+  for (std::size_t n = 0; n < database.runs.size(); ++n) {
+    const double end = sweep.reached[database.runs[n].fall];
+    CHECK(database.runs[n].settle == Approx(50.0 * std::min(1.0, end / 200.0)));
+    if (end >= 50.0) continue;
+    ++early;
+    told += sequences[n].empty() ? 0 : 1;
+  }
+  REQUIRE(early > 10);
+  CHECK(2 * told > early);
+  const TemporaryDirectory folder;
+  save(database, motion_graph(database), folder / "landed.h5");
+  CHECK(load_database(folder / "landed.h5").kind_sequences() == sequences);
+}
+
+TEST_CASE("a database has the symmetry that all of its runs have") {
+  // The first of them are discs.
+  const std::string plan =
+      "model = \"immersed_body\"\n[fixed]\na = 0.03\nb = 0.03\nc = 1e-4\ndensity = 1200\nC_D0 = 0.05\n"
+      "C_D90 = 0.61\nC_T = 1.81\nC_R = 1.21\nC_w = 2\n[axes]\nlinear_damping_x = { from = 0, to = 1e-6, "
+      "count = 2 }\n[releases]\ntilt = [0.17]\naxis = [0.6]\n[run]\nuntil = 2\nstep = 1e-3\nsettle = 0.5\n";
+  const MotionDatabase database = build_database(run_sweep(parse_sweep_plan(plan, "discs.toml")).sweep);
+  REQUIRE(database.runs.front().coefficients[0] == 0.0);
+  CHECK(database.symmetry == BodySymmetry::ellipsoid);
+  const auto symmetry = [](const std::map<std::string, double>& more) {
+    std::map<std::string, double> values = {{"a", 0.03}, {"b", 0.03}, {"c", 1e-4}, {"density", 1200.0}};
+    values.insert(more.begin(), more.end());
+    const samara::models::ParametricModel body(samara::models::find_model("immersed_body"), values, {});
+    return MovingStates::of(body.model(), body.parameters({})).symmetry();
+  };
+  CHECK(symmetry({}) == BodySymmetry::disc);
+  CHECK(symmetry({{"M_x", 1e-3}}) == BodySymmetry::ellipsoid);
+  CHECK(symmetry({{"J_y", 1e-6}}) == BodySymmetry::ellipsoid);
+}
+
+TEST_CASE("steady segments are counted by themselves, not by the sign of a turn that is round-off") {
+  MotionDatabase database = build_database(plates(20));
+  const MotionGraph graph = motion_graph(database);
+  const auto turns = std::ranges::count(database.segments, EventKind::turn_plus, &MotionSegment::kind);
+  REQUIRE(turns > 0);
+  for (MotionSegment& segment : database.segments) segment.is_steady = false;
+  CHECK_THAT(database_text(database, graph, kind_chain(database)), !Catch::Contains("steady"));
+  for (MotionSegment& segment : database.segments) segment.is_steady = segment.kind == EventKind::turn_plus;
+  CHECK_THAT(database_text(database, graph, kind_chain(database)),
+             Catch::Contains(" 0 turn+ " + std::to_string(turns) + " steady\n"));
+  CHECK_THAT(
+      database_json(database, graph, kind_chain(database)),
+      Catch::Contains("\"turn+\": 0") && Catch::Contains("\"steady\": " + std::to_string(turns) + ","));
 }
 
 TEST_CASE("a database that is cancelled is none, and asked for again it is the same to the bit") {

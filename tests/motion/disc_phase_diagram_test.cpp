@@ -44,6 +44,16 @@ TEST_CASE("the distance to the next boundary is where the answer changes") {
   }
 }
 
+TEST_CASE("what is periodic borders on tumbling from the lowest tumbling disc up") {
+  for (const double I : {0.038, 0.045, 0.056}) {
+    const RegimeAnswer above = regime(156.0, I), below = regime(154.0, I);
+    CHECK(above.beyond == Regime::periodic);
+    CHECK(above.distance < 0.01);
+    CHECK(below.beyond == Regime::tumbling);
+    CHECK(below.distance < 0.01);
+  }
+}
+
 TEST_CASE("97 of 100 measured discs lie on the right side of the boundaries, the others near one") {
   const auto folder = measured_data("disk-phase-diagram-field1997");
   if (folder.empty()) return;

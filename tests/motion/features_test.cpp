@@ -170,6 +170,18 @@ TEST_CASE("flutter has the statistics of the model sheet") {
   CHECK_THAT(tumbling[Feature::drift], WithinRel(0.756 / 0.327, 0.05));
 }
 
+TEST_CASE("half turns there and back have the coherence 0 in a plane, and -1 in space") {
+  MotionRecord record;
+  record.times = Eigen::VectorXd::LinSpaced(1201, 0.0, 120.0);
+  record.positions.setZero(1201, 3);
+  record.positions.col(2) = -record.times;
+  record.angles = 0.5 * kHalfTurn * (1.0 - (record.times.array() * kHalfTurn / 30.0).cos());
+  record.length = 2.0;
+  const FeatureOptions all = {.settle_share = 0.0};
+  CHECK(features(record, all)[Feature::coherence] == 0.0);
+  CHECK_THAT(features(in_space(record), all)[Feature::coherence], WithinAbs(-1.0, 1e-12));
+}
+
 TEST_CASE("a drifting spiral winds about a centre that follows it, and a helix wobbles") {
   // Revolutions and a half: the mean of the places is no centre.
   for (const double modulation : {0.0, 0.5}) {

@@ -1,8 +1,10 @@
 // Maps of patterns: what lies where, refining, clamping, shares over releases.
 #include "samara/motion/sweeps/pattern_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include <catch2/catch.hpp>
 
@@ -50,6 +52,35 @@ TEST_CASE("a map says what lies where, how surely, and how far the border is") {
   CHECK(error_text<samara::ArgumentError>([&] {
           map.at(Eigen::Vector2d(9.0, 2.5));
         }).starts_with(sweep.names[0] + " of the point is 9, expected "));
+}
+
+TEST_CASE("of many points those that are asked are drawn, from both ends of every axis") {
+  constexpr Eigen::Index kAlong = 1500;
+  Sweep sweep;
+  sweep.names = {"C_T", "C_R"};
+  sweep.lower = Eigen::Vector2d::Zero();
+  sweep.upper = Eigen::Vector2d::Ones();
+  sweep.axes = {std::vector<double>(kAlong), {0.0, 1.0}};
+  sweep.points.resize(2 * kAlong, 2);
+  for (Eigen::Index n = 0; n < 2 * kAlong; ++n) {
+    const double along = static_cast<double>(n / 2) / (kAlong - 1.0);
+    sweep.axes[0][static_cast<std::size_t>(n / 2)] = along;
+    sweep.points.row(n) << along, static_cast<double>(n % 2);
+    // On one side all are alike, on the other no point tells of those beside it.
+    const bool is_zigzag = n % 2 == 0 || samara::Stream(3, static_cast<std::uint64_t>(n)).uniform() < 0.5;
+    sweep.labels.push_back({is_zigzag ? Pattern::zigzag : Pattern::chaotic, 0.0, ""});
+    sweep.status.push_back(FallStatus::done);
+  }
+  const double told = PatternMap(sweep).left_one_out();
+  CHECK(told > 0.6);
+  CHECK(told < 0.9);
+  CHECK(drawn_numbers(3, 3) == std::vector<Eigen::Index>{0, 1, 2});
+  const std::vector<Eigen::Index> drawn = drawn_numbers(6000, 4000);
+  REQUIRE(drawn.size() == 4000);
+  CHECK(std::ranges::adjacent_find(drawn, std::greater_equal()) == drawn.end());
+  // Half of them of each release of two, to four deviations.
+  const auto even = std::ranges::count_if(drawn, [](Eigen::Index n) { return n % 2 == 0; });
+  CHECK(std::abs(static_cast<double>(even) - 2000.0) < 4.0 * std::sqrt(1000.0));
 }
 
 TEST_CASE("a refined grid runs only what lies between different labels") {

@@ -99,6 +99,29 @@ TEST_CASE("patterns of a film of places alone are looked for in the places of th
   CHECK(plan_motion(plan).sequence->stretches.front().got.why != why);
 }
 
+TEST_CASE("stretches are named by the thresholds of the sweep, or of the film that they are drawn from") {
+  // By these a plate that turns over zigzags.
+  auto motions = std::make_shared<MotionDatabase>(*plate_motions());
+  motions->plan_text += "[labels]\nflips_plane = 1000\n";
+  MotionPlan plan = sequence_plan(120.0);
+  plan.database = motions;
+  plan.sequence = read_text("patterns = [\"8 autorotation\"]", motions.get());
+  const MotionResult motion = plan_motion(plan);
+  REQUIRE(motion.sequence->stretches.size() == 1);
+  CHECK(motion.sequence->stretches.front().got.pattern == Pattern::zigzag);
+  CHECK(motion.status == MotionStatus::kinds_missed);
+  const auto film = [](const std::string& thresholds) {
+    return "chain = \"" +
+           path_of("named.json", R"({"schema": "samara-patterns/1", "thresholds": {)" + thresholds +
+                                     R"(}, "captures": [{"id": "a", "windows": [
+          {"pattern": "zigzag", "windows": 40}]}]})") +
+           "\"\nlength = 4";
+  };
+  CHECK(read_text(film("\"flips_plane\": 3"), motions.get()).thresholds.flips_plane == 3.0);
+  CHECK_THROWS_WITH(read_text(film("\"flip_plane\": 3"), motions.get()),
+                    Catch::Contains("named.json") && Catch::Contains("flips_plane"));
+}
+
 TEST_CASE("a fall that is asked to be likely is likelier under the chain than one that is not") {
   MotionPlan plan = sequence_plan(100.0);
   // A chain that swings to and fro, as zigzags do.

@@ -91,7 +91,7 @@
     const {features, patterns, groups, of} = page.falls;
     const part = section("Features");
     const groupNames = isSweep ? page.box.releases.map((r) => r.name) : page.captures.map((c) => c.id);
-    add(part, "p", (isSweep ? `Each mark is a fall${of > patterns.length ? `: ${patterns.length} of ${of}, evenly spread` : ""}.`
+    add(part, "p", (isSweep ? `Each mark is a fall${of > patterns.length ? `: ${patterns.length} of ${of}, drawn` : ""}.`
                             : "Each mark is a window of a capture.") + " Falls of which a feature is not known are left out.", "soft");
     const bar = add(part, "p", null, "choice");
     const number = (name) => features.findIndex((f) => f.name === name);

@@ -173,6 +173,34 @@ TEST_CASE("a body that crosses the eddies sees them pass in a shorter time, most
   }
 }
 
+TEST_CASE("a body without a drift sees the eddies pass a little fast, and the faster the smaller C_0 is") {
+  const auto time_seen = [](double C_0) {
+    constexpr double h = 0.2;
+    constexpr int kPaths = 1500, kSteps = 300, kForgotten = 150;
+    // T = 1, sigma = 1
+    const auto source = fluid_seen_in(uniform_turbulence(1.5, 2.0 / C_0), 8, {.C_0 = C_0});
+    double products = 0.0, squares = 0.0;
+    for (std::uint64_t n = 0; n < kPaths; ++n) {
+      const auto path = source->realisation(n, false);
+      BodyOnPath body;
+      body.air = path->start(body).velocity;
+      for (int step = 0; step < kSteps; ++step) {
+        const Eigen::Vector3d before = body.air;
+        body.air = path->step(body, h).velocity;
+        body.t += h;
+        if (step < kForgotten) continue;
+        products += before.dot(body.air);
+        squares += before.squaredNorm();
+      }
+    }
+    return -h / std::log(products / squares);
+  };
+  const double usual = time_seen(6.5);
+  CHECK(usual > 0.9);
+  CHECK(usual < 1.0);
+  CHECK(time_seen(2.1) < 0.8);
+}
+
 TEST_CASE("a disc sees what the average of von Karman's spectrum over it leaves") {
   const auto by_quadrature = [](double radius) {
     double seen = 0.0, all = 0.0;
