@@ -1,6 +1,7 @@
 #include "flow/flow_output.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,10 @@ namespace {
 bool is_turbulent(const flow::StoredFlow& stored) {
   return std::any_of(stored.fields.begin(), stored.fields.end(),
                      [](const flow::CentreField& field) { return field.name == "epsilon"; });
+}
+
+std::string or_unknown(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4f}", value) : "unknown";
 }
 
 }  // namespace
@@ -31,13 +36,13 @@ std::string to_table(const flow::StoredFlow& stored, const std::string& path) {
   const std::string drag = s.status == "steady" ? fmt::format("{:.4g}", s.drag)
                            : s.drag_half_width  ? with_error(s.drag, s.drag_half_width) + " (95 %)"
                                                 : with_error(s.drag, s.drag_half_width) + " of unknown error";
-  text += fmt::format("C_D {}   C_D' {:.4f}\nC_L {:.4f}   C_L' {:.4f}   C_M {:.4f}\n", drag, s.drag_rms,
-                      s.lift, s.lift_rms, s.moment);
+  text += fmt::format("C_D {}   C_D' {}\nC_L {:.4f}   C_L' {}   C_M {:.4f}\n", drag, or_unknown(s.drag_rms),
+                      s.lift, or_unknown(s.lift_rms), s.moment);
   if (s.moving) {
     text += fmt::format("the body moves; fields are those of t = {:.4g} l/U\n", s.time);
   } else {
-    text += fmt::format("Strouhal number {:.4f}\nbubble ends {:.3f} l behind the centre\n", s.strouhal,
-                        s.bubble_end);
+    text += fmt::format("Strouhal number {}\nbubble ends {:.3f} l behind the centre\n",
+                        or_unknown(s.strouhal), s.bubble_end);
     text += fmt::format("averaged over {:.4g} of {:.4g} l/U\n", s.averaged_time, s.time);
   }
   text += fmt::format("h div u/U {:.1e}, forces by surface and by box differ by {:.1e} of the {}\n",

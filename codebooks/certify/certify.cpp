@@ -131,12 +131,11 @@ std::vector<PointErrors> compared(const Eigen::MatrixXd& q, const Codebook& book
 /// Climbs from the worst points, where these stand far above the others.
 ComparedPoints climbed(const ComparedPoints& points, const Codebook& book, const CertifyOptions& options,
                        const Comparison& comparison) {
-  constexpr int kClimbs = 4;
   constexpr double kFarAbove = 4.0;
   constexpr double kNegligible = 1e-3;  // of the tolerance
   ComparedPoints ends{Eigen::MatrixXd(points.q.rows(), 0), {}};
   const Eigen::VectorXd scales = error_scales(points.errors, book, options);
-  if (scales.size() == 0) return ends;
+  if (options.climbs == 0 || scales.size() == 0) return ends;
   const Eigen::VectorXd largest = largest_errors(points.errors, scales);
   if (!(largest.maxCoeff() > kNegligible * options.tolerance) || !pgd::has_outliers(largest, kFarAbove))
     return ends;
@@ -151,7 +150,7 @@ ComparedPoints climbed(const ComparedPoints& points, const Codebook& book, const
     return largest_errors(errors, scales);
   };
   const Eigen::MatrixXd asked = points.q.leftCols(largest.size());
-  ends.q = pgd::climb_from_worst(lower, upper, errors_at, asked, largest, kClimbs).points;
+  ends.q = pgd::climb_from_worst(lower, upper, errors_at, asked, largest, options.climbs).points;
   if (!cancelled) ends.errors = comparison(ends.q);
   return ends;
 }
@@ -211,6 +210,7 @@ int arena_size(const CertifyOptions& options) {
 
 void check_points(const CertifyOptions& options) {
   require(options.points >= 1, "points", options.points, "at least 1", "certify");
+  require(options.climbs >= 0, "climbs", options.climbs, "not negative", "certify");
 }
 
 }  // namespace

@@ -20,6 +20,8 @@ struct CertifyOptions {
   /// Relative, per step. Empty: a hundredth of `tolerance` (less where an output moves by little of its size),
   /// between 1e-13 and 1e-10, so that the certificate measures the codebook and not the integrator.
   std::optional<double> integrator_tolerance = {};
+  /// From the worst points, where these stand far above the others; a climb asks at up to some hundred points more.
+  int climbs = 4;
   int threads = 0;  ///< 0: all cores
   ProgressCallback progress = {};
 };

@@ -121,8 +121,9 @@ Eigen::VectorXd energy_of(const FlowResult& result, const FlowCase& flow) {
 }
 
 Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& point,
-                             const ProgressCallback& progress) {
-  return energy_of(solve_at(plan, point, progress), flow_case_at(plan, point));
+                             const ProgressCallback& progress,
+                             const std::function<void(const std::string&)>& warning) {
+  return energy_of(solve_at(plan, point, progress, warning), flow_case_at(plan, point));
 }
 
 namespace {
@@ -130,13 +131,13 @@ namespace {
 /// The flows of the plan, of which none is solved twice.
 codebooks::CallMemory flow_calls(const FlowPlan& plan, const codebooks::BuildOptions& options) {
   // A command is told what is fixed as well: the angle, then the Reynolds number.
-  const auto function = [plan, progress = options.progress](const Eigen::MatrixXd& points,
-                                                            Eigen::MatrixXd& values) {
+  const auto function = [plan, progress = options.progress, warning = options.warning](
+                            const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
     for (Eigen::Index j = 0; j < points.cols(); ++j) {
       std::vector<double> point;
       for (const codebooks::BoxEntry& entry : plan.box)
         point.push_back(points(entry.name == "angle_of_attack" ? 0 : 1, j));
-      values.col(j) = solve_energy(plan, point, progress);
+      values.col(j) = solve_energy(plan, point, progress, warning);
     }
   };
   const codebooks::Plan book_plan = energy_plan(plan);
@@ -186,6 +187,7 @@ codebooks::BuildResult built(const FlowPlan& plan, const codebooks::BuildOptions
   certify.seed = book_plan.certificate_seed();
   certify.tolerance = plan.relative;
   certify.absolute = book_plan.absolute;
+  certify.climbs = 0;  // the plan says how many flows the certificate may solve
   certify.progress = options.progress;
   codebooks::Certificate certificate =
       codebooks::measure(book, calls, certify, codebooks::Extent::all_points).certificate;

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <optional>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "samara/codebooks/build/build.h"
@@ -25,13 +26,15 @@ std::vector<codebooks::CommandQuantity> energy_outputs(const FlowCase& flow);
 Eigen::VectorXd energy_of(const FlowResult& result, const FlowCase& flow);
 
 /// The outputs at values of the plan's box, in its order: angle_of_attack [rad], log10_reynolds.
-/// @throws NoResultError if the flow is not found there
+/// @param warning is told what the flow warns of @throws NoResultError if it is not found there
 Eigen::VectorXd solve_energy(const FlowPlan& plan, const std::vector<double>& point,
-                             const ProgressCallback& progress);
+                             const ProgressCallback& progress,
+                             const std::function<void(const std::string&)>& warning = {});
 
-/// @param plan with a box  @param options as of codebooks::build(); a checkpoint keeps every flow that was solved
-/// @throws ArgumentError as check_book() does; NoResultError where a flow is not found; InputError for a checkpoint
-/// of another plan or solver
+/// @param plan with a box  @param options as of codebooks::build(); a checkpoint keeps every flow that was solved,
+/// and the warning is told what flows warn of
+/// @throws ArgumentError as check_book() does; NoResultError where a flow of its grid is not found; InputError for a
+/// checkpoint of another plan or solver
 codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
 
 /// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points:

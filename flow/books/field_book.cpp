@@ -111,8 +111,8 @@ class FieldBuilder {
     const std::string message = fmt::format(
         "{}; {:.0f} % of all places are within {:.3g} at {} points, tolerance {:.3g}", record.message,
         100.0 * kShareOfPlaces, certificate.max_error, certificate.points, certificate.tolerance);
-    const bool met = certificate.met;
-    return {book.with_certificate(std::move(certificate)), met, message, false};
+    const bool met = certificate.met, incomplete = certificate.failed_points > 0;
+    return {book.with_certificate(std::move(certificate)), met, message, incomplete};
   }
 
   /// outputs x nodes. @throws NoResultError where there is no flow
@@ -139,7 +139,7 @@ class FieldBuilder {
       for (Eigen::Index j = 0; j < points.cols(); ++j) {
         const std::vector<double> point(points.col(j).begin(), points.col(j).end());
         try {
-          const FlowResult result = solve_at(plan_, point, options_.progress);
+          const FlowResult result = solve_at(plan_, point, options_.progress, options_.warning);
           answers.values.col(j) = fields_of(result, flow_case_at(plan_, point)).reshaped();
         } catch (const NoResultError& error) {
           answers.failure = error.what();
@@ -205,7 +205,7 @@ class FieldBuilder {
     model.title = "mean fields of the flow about a body";
     model.equations = "those of samara flow (docs/flow.md)";
     model.frames = "x along the stream, y up, from the body's centre, in body lengths";
-    model.source = "the plan";
+    model.source = book_source(plan_);
     const auto is_free = [&](const char* name) {
       return std::ranges::count(plan_.box, name, &codebooks::BoxEntry::name) > 0;
     };
@@ -259,7 +259,14 @@ class FieldBuilder {
     std::vector<Anywhere> anywhere(outputs_.size());
     for (Eigen::Index i = 0; i < points.q.cols(); ++i) {
       const std::vector<double> point(points.q.col(i).begin() + 1, points.q.col(i).end());
-      const Eigen::MatrixXd found = fields_at(point);
+      Eigen::MatrixXd found;
+      try {
+        found = fields_at(point);
+      } catch (const NoResultError& error) {
+        // Of a book that misses its tolerance anyway no more flows are solved: later points count as failed, too.
+        points.errors.emplace_back().failure = error.what();
+        break;
+      }
       for (std::size_t k = 0; k < point.size(); ++k)
         asked.row(static_cast<Eigen::Index>(k) + 1).setConstant(point[k]);
       query.batch(asked, answers);
@@ -273,9 +280,10 @@ class FieldBuilder {
     certificate.places = static_cast<int>(nodes_.size());
     certificate.integrator = fmt::format(
         "flows that the builder did not see, on the same grid; an error is what {:.0f} % of the places at a "
-        "point "
-        "keep below; the largest anywhere, over the range, are",
+        "point keep below",
         100.0 * kShareOfPlaces);
+    if (certificate.failed_points == certificate.points) return certificate;
+    certificate.integrator += "; the largest anywhere, over the range, are";
     for (std::size_t o = 0; o < outputs_.size(); ++o) {
       codebooks::OutputError& output = certificate.outputs[o];
       certificate.integrator +=

@@ -26,9 +26,10 @@ namespace samara::flow {
 /// which cannot turn negative between flows; of laminar flows k, of what sheds.
 std::vector<pgd::OutputLabel> field_outputs(const FlowCase& flow);
 
-/// @param options as of codebooks::build(); a checkpoint keeps every flow that was solved
-/// @throws ArgumentError as check_book() does; NoResultError where a flow is not found; InputError for a checkpoint
-/// of another plan or solver
+/// @param options as of codebooks::build(); a checkpoint keeps every flow that was solved, and the warning is told
+/// what flows warn of
+/// @throws ArgumentError as check_book() does; NoResultError where a flow of its grid is not found; InputError for a
+/// checkpoint of another plan or solver
 codebooks::BuildResult build_field_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
 
 /// Root mean square over the places of what twice the cells change, every output over the range that the book has at

@@ -25,6 +25,9 @@ StoredFlow flow_of(const codebooks::Codebook& book, const std::map<std::string, 
     throw ArgumentError(
         fmt::format("{} is no codebook of the fields of a flow ([book] kind = \"fields\")", path));
   const FlowPlan plan = parse_flow_plan(book.provenance().plan, path, mesh_reader);
+  // Books of earlier versions do not say which mesh it was.
+  if (const std::string& source = book.model().source; source != kPlanSource && source != book_source(plan))
+    throw InputError(path, "holds flows about another mesh than that of the file which its plan names");
   if (book.space() != 0)
     throw InputError(path, "has no places as its first coordinate, expected those of a flow");
   std::vector<double> point;

@@ -18,7 +18,8 @@ bool is_field_book(const codebooks::Codebook& book);
 /// Loads are not in it (NaN).
 /// @param at angle_of_attack [rad], log10_reynolds: all that the box has
 /// @param path of the codebook, relative to which a mesh of its plan is looked for
-/// @throws ArgumentError for another codebook or other names; OutsideBoxError; InputError for a plan that is none
+/// @throws ArgumentError for another codebook or other names; OutsideBoxError; InputError for a plan that is none,
+/// or whose mesh has changed
 StoredFlow flow_of(const codebooks::Codebook& book, const std::map<std::string, double>& at,
                    const std::string& path, const MeshReader& mesh_reader = {});
 

@@ -1,7 +1,11 @@
 #include "samara/flow/books/planned_flow.h"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -15,22 +19,35 @@ namespace samara::flow {
 
 namespace {
 
-/// Where in the box the body takes most of the stream's width, which may be between its ends.
-std::vector<double> widest_of(const FlowPlan& plan) {
+/// Where in the box the body takes most of the stream's width, and where it reaches farthest along and across the
+/// stream, which may be between its ends.
+std::array<std::vector<double>, 3> extremes_of(const FlowPlan& plan) {
   constexpr int kSteps = 256;
   const auto [lower, upper] = corners_of(plan);
-  std::vector<double> widest = lower;
-  double most = 0.0;
+  std::array<std::vector<double>, 3> extremes = {lower, lower, lower};
+  std::array<double, 3> most{};
   for (int i = 0; i <= kSteps; ++i) {
     std::vector<double> point;
     for (std::size_t k = 0; k < lower.size(); ++k)
       point.push_back(std::lerp(lower[k], upper[k], static_cast<double>(i) / kSteps));
-    const double share = blockage(flow_case_at(plan, point));
-    if (share <= most) continue;
-    most = share;
-    widest = point;
+    const FlowCase flow = flow_case_at(plan, point);
+    const PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), flow.angle_of_attack);
+    const std::array<double, 3> sizes = {blockage(flow), body.half_extent().x(), body.half_extent().y()};
+    for (std::size_t m = 0; m < sizes.size(); ++m) {
+      if (sizes[m] <= most[m]) continue;
+      most[m] = sizes[m];
+      extremes[m] = point;
+    }
   }
-  return widest;
+  return extremes;
+}
+
+/// FNV-1a (Fowler, Noll and Vo, 1991).
+std::uint64_t hash_of(const std::vector<double>& numbers) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const std::byte byte : std::as_bytes(std::span(numbers)))
+    hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001b3;
+  return hash;
 }
 
 }  // namespace
@@ -47,8 +64,8 @@ FlowCase flow_case_at(const FlowPlan& plan, const std::vector<double>& point) {
   return flow;
 }
 
-FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point,
-                    const ProgressCallback& progress) {
+FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point, const ProgressCallback& progress,
+                    const std::function<void(const std::string&)>& warning) {
   const FlowCase flow = flow_case_at(plan, point);
   FlowOptions options;
   options.end = plan.end;
@@ -61,6 +78,9 @@ FlowResult solve_at(const FlowPlan& plan, const std::vector<double>& point,
     options.progress = [&](const Progress& report) { return progress({where, report.fraction}); };
   }
   FlowResult result = solve_flow(flow, options);
+  if (warning) {
+    for (const std::string& sentence : result.warnings) warning(fmt::format("{}: {}", where, sentence));
+  }
   if (result.status != FlowStatus::steady && result.status != FlowStatus::averaged)
     throw NoResultError(
         fmt::format("the {} ends as \"{}\": {}", where, to_string(result.status), result.message));
@@ -86,7 +106,9 @@ void check_book(const FlowPlan& plan) {
           "a book of flows");
   const FlowPlan finer = finer_plan(plan);
   const auto [lower, upper] = corners_of(plan);
-  for (const auto& point : {lower, upper, widest_of(plan)}) {
+  std::vector<std::vector<double>> points = {lower, upper};
+  for (const std::vector<double>& extreme : extremes_of(plan)) points.push_back(extreme);
+  for (const std::vector<double>& point : points) {
     check_case(flow_case_at(plan, point), plan.max_memory);
     check_case(flow_case_at(finer, point), plan.max_memory);
   }
@@ -96,8 +118,17 @@ std::filesystem::path finer_checkpoint(const std::filesystem::path& checkpoint) 
   return checkpoint.empty() ? checkpoint : std::filesystem::path(checkpoint.string() + ".finer");
 }
 
+std::string book_source(const FlowPlan& plan) {
+  // What other shapes are stands in the text of the plan.
+  if (plan.flow.shape.kind != "mesh") return kPlanSource;
+  return fmt::format("{}, mesh {:016x}", kPlanSource, hash_of(plan.flow.shape.sizes));
+}
+
 std::string checkpointed_text(const FlowPlan& plan) {
-  return fmt::format("{}\n# solver of flows, revision {}", plan.text, kRevision);
+  std::string text = fmt::format("{}\n# solver of flows, revision {}", plan.text, kRevision);
+  // That of plans without a mesh stays as it was, and so do their checkpoints.
+  if (const std::string source = book_source(plan); source != kPlanSource) text += "\n# " + source;
+  return text;
 }
 
 codebooks::BuildResult run_build(

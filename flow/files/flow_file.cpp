@@ -94,15 +94,12 @@ Field in_centres(const MacGrid& grid, const Field& faces, int d) {
   return centres;
 }
 
-/// visit(group, attribute, number) for all numbers of a summary.
+/// visit(group, attribute, number) for all numbers of a summary that are always known.
 template <class Summary, class Visitor>
 void visit_numbers(Summary& s, const Visitor& visit) {
   visit("/loads", "C_D", s.drag);
   visit("/loads", "C_L", s.lift);
   visit("/loads", "C_M", s.moment);
-  visit("/loads", "C_D_rms", s.drag_rms);
-  visit("/loads", "C_L_rms", s.lift_rms);
-  visit("/loads", "strouhal", s.strouhal);
   visit("/loads", "bubble_end", s.bubble_end);
   visit("/status", "averaged_time", s.averaged_time);
   visit("/status", "time", s.time);
@@ -116,6 +113,14 @@ void visit_numbers(Summary& s, const Visitor& visit) {
   visit("/checks", "y_plus_high", s.checks.y_plus_high);
   visit("/checks", "viscous_share", s.checks.viscous_share);
   visit("/checks", "blockage", s.checks.blockage);
+}
+
+/// The same for those that are NaN where they are not known, and then left out of the file.
+template <class Summary, class Visitor>
+void visit_deviations(Summary& s, const Visitor& visit) {
+  visit("/loads", "C_D_rms", s.drag_rms);
+  visit("/loads", "C_L_rms", s.lift_rms);
+  visit("/loads", "strouhal", s.strouhal);
 }
 
 FlowSummary summary_of(const FlowResult& result, const FlowPlan& plan) {
@@ -299,6 +304,9 @@ void save_flow(const FlowResult& result, const FlowPlan& plan, const std::filesy
   visit_numbers(summary, [&](const char* group, const char* name, double value) {
     file.write_number_attribute(group, name, value);
   });
+  visit_deviations(summary, [&](const char* group, const char* name, double value) {
+    if (std::isfinite(value)) file.write_number_attribute(group, name, value);
+  });
   if (summary.drag_half_width)
     file.write_number_attribute("/loads", "C_D_half_width", *summary.drag_half_width);
   file.write_number_attribute("/plan", "intensity", *summary.intensity);
@@ -343,6 +351,9 @@ StoredFlow load_flow(const std::filesystem::path& path) {
   s.generator = file.text_attribute("/provenance", "generator");
   visit_numbers(s, [&](const char* group, const char* name, double& value) {
     value = file.finite_attribute(group, name);
+  });
+  visit_deviations(s, [&](const char* group, const char* name, double& value) {
+    value = file.has_attribute(group, name) ? file.finite_attribute(group, name) : NAN;
   });
   if (file.has_attribute("/loads", "C_D_half_width"))
     s.drag_half_width = file.finite_attribute("/loads", "C_D_half_width");

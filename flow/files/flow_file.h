@@ -37,9 +37,10 @@ struct FlowSummary {
   /// u'/U of the stream; none: a file of an earlier version, which does not say it.
   std::optional<double> intensity;
   bool moving = false;  ///< the body moves: fields are those of an instant
-  double drag = 0.0, lift = 0.0, moment = 0.0, drag_rms = 0.0, lift_rms = 0.0;
-  std::optional<double> drag_half_width;  ///< of the 95 % interval; none: not known
-  double strouhal = 0.0, bubble_end = 0.0, averaged_time = 0.0, time = 0.0;
+  double drag = 0.0, lift = 0.0, moment = 0.0;
+  std::optional<double> drag_half_width;                  ///< of the 95 % interval; none: not known
+  double drag_rms = 0.0, lift_rms = 0.0, strouhal = 0.0;  ///< NaN: not known
+  double bubble_end = 0.0, averaged_time = 0.0, time = 0.0;
   FlowChecks checks;
 };
 

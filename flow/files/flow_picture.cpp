@@ -178,9 +178,10 @@ io::Picture draw_flow(const StoredFlow& flow, const PictureOptions& options) {
   }
   canvas.draw_bar(low, high, fmt::format("{} [{}]", shown.name, shown.unit));
   const FlowSummary& s = flow.summary;
-  // The fields of a codebook come without loads.
-  const std::string loads =
-      std::isfinite(s.drag) ? fmt::format("C_D {:.3f}  St {:.3f}  ", s.drag, s.strouhal) : std::string();
+  // The fields of a codebook come without loads, those of a mean that was not reached without the number.
+  std::string loads;
+  if (std::isfinite(s.drag)) loads += fmt::format("C_D {:.3f}  ", s.drag);
+  if (std::isfinite(s.strouhal)) loads += fmt::format("St {:.3f}  ", s.strouhal);
   canvas.image.write_text(kMargin, kMargin, fmt::format("{}Re {:.3g}  {}", loads, s.reynolds, s.status),
                           kInk);
   return canvas.image;

@@ -114,7 +114,7 @@ bool FlowView::in_body(const Eigen::Vector3d& position) const {
   for (int d = 0; d < flow_->grid.dimensions; ++d)
     nearest[static_cast<std::size_t>(d)] = Spline(cells(d)).nearest;
   const auto at = flow_->grid.at(nearest[0], nearest[1], nearest[2]);
-  return flow_->open[static_cast<std::size_t>(at)] == 0.0;
+  return flow_->open[static_cast<std::size_t>(at)] < 0.5;
 }
 
 FlowView::Value FlowView::value_of(const Field& field, const Eigen::Vector3d& position) const {

@@ -39,7 +39,7 @@ class FlowView final : public models::TurbulentFlow {
   models::Turbulence turbulence(double t, const Eigen::Vector3d& position) const override;
   /// Whether the grid holds the point, a cell at its borders left out.
   bool inside(const Eigen::Vector3d& position) const;
-  /// Whether the point lies in a cell that the flow's own body closes.
+  /// Whether the point lies in a cell that the flow's own body fills by more than half.
   bool in_body(const Eigen::Vector3d& position) const;
 
  private:

@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/flow/march/flow_march.h"
 
 namespace samara::flow {
 
@@ -88,6 +89,8 @@ void check_case(const FlowCase& flow, double max_memory) {
         "flow: the body is {:.4g} thin at {} cells per length, expected two cells across it, or a baffle: "
         "cells_per_length at least {:.0f}",
         thickness, flow.cells_per_length, std::ceil((1.0 - kThicknessError) * 2.0 / thickness)));
+  if (!flow.motion)
+    require_within(grid_of(flow), PlacedShape(flow.shape, Eigen::Vector3d::Zero(), flow.angle_of_attack), "");
 }
 
 MacGrid grid_of(const FlowCase& flow) {

@@ -49,9 +49,9 @@ double blockage(const FlowCase& flow);
 /// Memory that the solution of the case takes [bytes].
 double memory_of(const FlowCase& flow);
 /// @throws ArgumentError, naming value and expectation, for what cannot be solved: no positive Reynolds number, an
-/// intensity outside (0, 1], a blockage above 25 %, a body at the border or thinner than two cells, more than
-/// `max_memory`, a held body in a stream of another speed than 1, a stream faster than kMostStream, a path that does
-/// not begin with numbers
+/// intensity outside (0, 1], a blockage above 25 %, a body thinner than two cells, a held one within four cells of a
+/// border, more than `max_memory`, a held body in a stream of another speed than 1, a stream faster than kMostStream,
+/// a path that does not begin with numbers
 void check_case(const FlowCase& flow, double max_memory);
 /// Of the whole case.
 MacGrid grid_of(const FlowCase& flow);

@@ -64,9 +64,14 @@ void start(FlowRun& run, std::uint64_t seed) {
   run.march.set_turbulence(inflow.k, inflow.epsilon);
 }
 
-/// One step, its loads, and what ends with it.
-void take_step(FlowRun& run) {
-  const StepReport report = run.march.advance();
+/// One step, its loads, and what ends with it. At FlowEnd::time the last one ends at max_time.
+void take_step(FlowRun& run, const FlowOptions& options) {
+  // So that no last step is hardly longer than its rounding; of a cell no more than half flows out in it.
+  constexpr double kStretched = 1.1;
+  const double allowed = run.march.allowed_step(), left = options.max_time - run.march.state().time;
+  const bool is_last = options.end == FlowEnd::time && left <= kStretched * allowed;
+  const StepReport report = run.march.advance(is_last ? left : allowed);
+  if (is_last) run.march.state().time = options.max_time;  // which the sum may miss by rounding
   run.finite = report.finite;
   if (!report.pressure.converged) ++run.unconverged;
   if (run.march.turbulence() != nullptr) run.not_positive += run.march.turbulence()->not_positive();
@@ -171,7 +176,7 @@ void march_to_end(FlowRun& run, const FlowOptions& options, const std::function<
       return finish(run, FlowStatus::max_time, unreached(run, options), result);
     const bool checks = (state.steps + 1) % kStepsBetweenChecks == 0;
     if (checks && run.march.turbulence() != nullptr) k_before = run.march.turbulence()->k;
-    take_step(run);
+    take_step(run, options);
     if (!run.finite)
       return finish(
           run, FlowStatus::diverged,
@@ -243,11 +248,13 @@ void summarise(FlowRun& run, const FlowOptions& options, double repeats, FlowRes
   const LoadRecord& last = run.history.back();
   if (options.end == FlowEnd::time) mean.periods = last_periods(run.history, repeats);
   const std::vector<PeriodMeans>& periods = mean.periods;
-  if (result.status == FlowStatus::steady || periods.empty()) {
+  const bool is_steady = result.status == FlowStatus::steady;
+  if (is_steady || periods.empty()) {
     // Of a flow that still changes, one step is no mean.
-    result.drag = {last.drag, result.status == FlowStatus::steady ? 0.0 : INFINITY};
+    result.drag = {last.drag, is_steady ? 0.0 : INFINITY};
     result.lift = last.lift;
     result.moment = last.moment;
+    if (!is_steady) result.drag_rms = result.lift_rms = result.strouhal = NAN;
   } else {
     double length = 0.0, drag_squared = 0.0, lift_squared = 0.0;
     for (const PeriodMeans& period : periods) {
@@ -263,6 +270,8 @@ void summarise(FlowRun& run, const FlowOptions& options, double repeats, FlowRes
     result.drag_rms = std::sqrt(std::max(0.0, drag_squared / length - result.drag.value * result.drag.value));
     result.lift_rms = std::sqrt(std::max(0.0, lift_squared / length - result.lift * result.lift));
     result.strouhal = shedding_frequency(periods);
+    // Where the mean is known, hardly any crossing says that nothing sheds; of a shorter run it says nothing.
+    if (result.strouhal == 0.0 && result.status != FlowStatus::averaged) result.strouhal = NAN;
   }
   FlowChecks& checks = result.checks;
   checks.divergence = march.divergence();
@@ -296,6 +305,26 @@ void warn(const FlowCase& flow, FlowResult& result) {
         fmt::format("the guard of the eddy viscosity acts in {} cells", result.checks.guarded_cells));
 }
 
+/// Halves a time in which a body moves by more than a cell, again and again: without leaps, however fast it is, it
+/// moves by less in what is left. @param reach of the body from its centre
+void require_no_leap(const FlowCase& flow, double reach, double from, double to) {
+  constexpr int kHalvings = 40;
+  const double cell = 1.0 / flow.cells_per_length;
+  const auto way = [&](double begin, double end) {
+    const BodyPose before = flow.motion->path(begin), after = flow.motion->path(end);
+    return (after.place - before.place).norm() + reach * std::abs(after.angle - before.angle);
+  };
+  for (int i = 0; i < kHalvings; ++i) {
+    if (!(way(from, to) > cell)) return;
+    const double middle = 0.5 * (from + to);
+    (way(from, middle) > way(middle, to) ? to : from) = middle;
+  }
+  throw ArgumentError(
+      fmt::format("solve_flow: the body leaps by {:.4g} at t = {:.6g}, more than a cell, {:.4g}: expected a "
+                  "path without leaps",
+                  way(from, to), to, cell));
+}
+
 }  // namespace
 
 std::string to_string(FlowStatus status) {
@@ -308,12 +337,16 @@ void check_path(const FlowCase& flow, const FlowOptions& options) {
     throw ArgumentError("solve_flow: a body that moves has no mean flow, expected the end \"time\"");
   const MacGrid grid = grid_of(flow);
   PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), 0.0);
+  const double reach = body.half_extent().norm();
   constexpr int kPlaces = 2000;
+  double before = 0.0;
   for (int i = 0; i <= kPlaces; ++i) {
     const double t = options.max_time * i / kPlaces;
     const BodyPose pose = flow.motion->path(t);
     if (!pose.is_finite())
       throw ArgumentError(fmt::format("solve_flow: the path of the body is not finite at t = {:.6g}", t));
+    require_no_leap(flow, reach, before, t);
+    before = t;
     body.move_to(pose.place, pose.angle + flow.angle_of_attack);
     require_within(grid, body, fmt::format(" at t = {:.6g}", t));
   }

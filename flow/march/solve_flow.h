@@ -32,7 +32,7 @@ enum class FlowStatus {
   steady,    ///< nothing changes: max |du/dt| l/U^2, |dk/dt| l/U^3 < 1e-4
   averaged,  ///< the mean is known
   max_time,  ///< neither was reached by then; fields are means over what was averaged, or one instant without that
-  ended,     ///< max_time, which was asked for: fields are those of that instant
+  ended,     ///< max_time, which was asked for, and just then: fields are those of that instant
   diverged,  ///< a value is not finite, or k or eps not positive: no fields
   cancelled,
 };
@@ -83,8 +83,9 @@ struct FlowResult {
   /// one, and without a period over that half.
   MeanWithError drag;
   double lift = 0.0, moment = 0.0;        ///< means
-  double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations
-  double strouhal = 0.0;                  ///< f l/U; 0: nothing sheds
+  double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations; NaN where not even a period was averaged
+  /// f l/U; 0: nothing sheds; NaN: not known, of a mean that was not reached or a body that moves.
+  double strouhal = 0.0;
   /// Behind the body's centre, where the mean u on the axis turns downstream; without a bubble the
   /// body's rear [l]. 0 of a body that moves.
   double bubble_end = 0.0;
@@ -99,8 +100,8 @@ struct FlowResult {
 };
 
 /// A path that ends a run after hours is refused before it. The march looks at it again, step by step.
-/// @throws ArgumentError for another end than FlowEnd::time, or a path that is not finite or comes to a border before
-/// max_time; expects a case with a motion that check_case() lets pass
+/// @throws ArgumentError for another end than FlowEnd::time, or a path that is not finite, leaps or comes to a border
+/// before max_time; expects a case with a motion that check_case() lets pass
 void check_path(const FlowCase& flow, const FlowOptions& options);
 
 /// @throws ArgumentError as check_case() does, for fewer than 0 threads, a checkpoint that stands at max_time

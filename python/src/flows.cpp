@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -117,6 +118,11 @@ py::array_t<double> cells_of(const Flow& stored, const flow::Field& values, bool
   return cells;
 }
 
+/// None for a number that is not known.
+std::optional<double> known(double value) {
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
 py::dict describe_flow(const Flow& stored) {
   const flow::FlowSummary& s = stored.summary;
   py::dict fields;
@@ -125,8 +131,8 @@ py::dict describe_flow(const Flow& stored) {
                   py::arg("plan") = s.plan, py::arg("reynolds") = s.reynolds,
                   py::arg("angle_of_attack") = s.angle_of_attack, py::arg("drag") = s.drag,
                   py::arg("drag_half_width") = s.drag_half_width, py::arg("lift") = s.lift,
-                  py::arg("moment") = s.moment, py::arg("drag_rms") = s.drag_rms,
-                  py::arg("lift_rms") = s.lift_rms, py::arg("strouhal") = s.strouhal,
+                  py::arg("moment") = s.moment, py::arg("drag_rms") = known(s.drag_rms),
+                  py::arg("lift_rms") = known(s.lift_rms), py::arg("strouhal") = known(s.strouhal),
                   py::arg("bubble_end") = s.bubble_end, py::arg("time") = s.time,
                   py::arg("averaged_time") = s.averaged_time, py::arg("fields") = fields);
 }

@@ -125,6 +125,7 @@ class Flows(Case):
         self.assertFalse((FOLDER / "moving.h5.checkpoint").exists())
         with h5py.File(path) as file:
             t, x, drag = file["loads/t"][:], file["loads/x"][:], file["loads/drag"][:]
+            self.assertEqual(t[-1], 1.5)
             self.assertLess(numpy.abs(x + 0.5 * numpy.sin(2 * numpy.pi * t)).max(), 1e-12)
             self.assertLess(numpy.abs(file["loads/angle"][:] - t).max(), 1e-12)
             # The body's grey is where the path ends: at the middle again.
@@ -193,9 +194,13 @@ class Flows(Case):
         self.assertEqual(result.returncode, 4)
         self.assertIn("0 whole periods were averaged, expected at least 5; the fields are those of one instant", result.stderr)
         self.assertNotIn("nan", result.stdout + result.stderr)
-        self.assertIsNone(json.loads(run("info", FOLDER / "mean.h5", "--json").stdout)["C_D_half_width"])
+        self.assertIn("Strouhal number unknown", result.stdout)
+        told = json.loads(run("info", FOLDER / "mean.h5", "--json").stdout)
         with h5py.File(FOLDER / "mean.h5") as file:
-            self.assertNotIn("C_D_half_width", file["loads"].attrs)
+            for name in ["C_D_half_width", "C_D_rms", "C_L_rms", "strouhal"]:
+                self.assertIsNone(told[name])
+                self.assertNotIn(name, file["loads"].attrs)
+        self.assertEqual(run("picture", FOLDER / "mean.h5", "--field", "u", "-o", FOLDER / "mean.png").returncode, 0)
 
     def test_a_mesh_in_space_stands_in_the_flow(self):
         # A box of 2 x 1 x 1: the longest extent becomes a body length.
@@ -372,6 +377,7 @@ relative = 0.15
             (("reynolds = 30", "reynolds = nan"), 3, ["bad.toml:4", "reynolds"]),
             (("thickness = 1 }", "thickness = 0.1 }"), 3, ["bad.toml:2: flow: ", "0.1 thin", "cells_per_length at least 20"]),
             (("side = 3", "side = 1.5"), 3, ["bad.toml:2: flow: ", "33 % of the stream's width"]),
+            (("before = 3", "before = 1"), 3, ["bad.toml:2: flow: ", "within 0.5 of a border, expected at least 0.6667, four cells"]),
             (("before = 3", "before = 1e59"), 3, ["bad.toml:7: [flow.extent] before: is 1e+59, expected more than 0.5 and at most 1000 body lengths"]),
             (("side = 3", "side = 0.5"), 3, ["bad.toml:7: [flow.extent] side: is 0.5, expected more than 0.5"]),
             (("cells_per_length = 6", "cells_per_length = 900"), 3, ["bad.toml:2: flow: ", "expected at most max_memory, 2 GB"]),

@@ -7,6 +7,8 @@
 
 #include "../error_text.h"
 #include "../models/scalar_model.h"
+#include "samara/codebooks/book/certificate_points.h"
+#include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/models/laws/registry.h"
 #include "same_codebook.h"
@@ -285,6 +287,37 @@ TEST_CASE("a certificate that is cancelled counts what it did not reach as faile
   CHECK(certificate.failed_points > 0);
   CHECK(certificate.failed_points < 100);
   CHECK_FALSE(certificate.met);
+}
+
+TEST_CASE("a certificate without climbs asks at its points and nowhere else") {
+  ModelDescription model = sample_model();
+  model.name = kCommandModel;
+  const Codebook book(
+      model,
+      {Piece{{SeparatedField({Axis::chebyshev({"q", "1", AxisRole::parameter}, 0.0, 1.0, 3)}, {{"y", "1"}},
+                             {Eigen::MatrixXd::Constant(3, 1, 0.01)}, Eigen::MatrixXd::Ones(1, 1))}}});
+  for (const int climbs : {0, 4}) {
+    CertifyOptions options{.points = 21, .tolerance = 1e-3, .climbs = climbs};
+    // Far above all others at one of the points.
+    const double peak = certificate_points(book, options.points, options.seed)(0, 10);
+    Eigen::Index asked = 0;
+    SampledSource source;
+    source.coordinates.push_back({"q", "1"});
+    source.outputs.push_back({"y", "1"});
+    source.answers = [&](const Eigen::MatrixXd& points, const std::vector<double>&) {
+      asked += points.cols();
+      SampledAnswers answers;
+      answers.values = (-((points.array() - peak) / 1e-3).square()).exp();
+      return answers;
+    };
+    CallMemory calls(source, {}, {});
+    const Certificate certificate = measure(book, calls, options, Extent::all_points).certificate;
+    CHECK_THAT(certificate.max_error, WithinRel(0.99, 1e-6));
+    CHECK((asked == 21) == (climbs == 0));
+    CHECK((certificate.climbed_points > 0) == (climbs > 0));
+  }
+  CHECK_THAT(error_text<ArgumentError>([&] { certificate_of(exact(), {.points = 1, .climbs = -1}); }),
+             Contains("climbs is -1"));
 }
 
 TEST_CASE("a model that does not fit the codebook is refused") {

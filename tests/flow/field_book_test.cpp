@@ -18,6 +18,7 @@
 #include "samara/flow/books/field_flow.h"
 #include "samara/flow/books/leja_grid.h"
 #include "samara/flow/books/planned_flow.h"
+#include "samara/models/bodies/mesh_shapes.h"
 #include "tests/io/temporary_directory.h"
 
 using namespace samara;
@@ -217,6 +218,66 @@ TEST_CASE("a book does not go on from the flows of another solver, and says so")
   CHECK_THROWS_AS(build_field_book(plan, options), NoResultError);
 }
 
+TEST_CASE("flows about another mesh in the file that a plan names are those of another book") {
+  const std::string text = R"([flow]
+dimensions = 3
+shape = { kind = "mesh", file = "body.obj", thickness = 0.25 }
+reynolds = 50
+turbulence = "none"
+cells_per_length = 8
+extent = { before = 1.5, behind = 2, side = 1.5 }
+[box]
+angle_of_attack = ["0 deg", "30 deg"]
+[book]
+kind = "fields"
+)";
+  const auto box_of = [](double width) {
+    return [width](const std::string&) { return models::box_mesh({2.0, 0.5, width}, 2, 2, 2); };
+  };
+  const FlowPlan narrow = parse_flow_plan(text, "plan.toml", box_of(1.0)),
+                 wide = parse_flow_plan(text, "plan.toml", box_of(1.5));
+  CHECK(checkpointed_text(narrow) != checkpointed_text(wide));
+  CHECK(checkpointed_text(narrow) == checkpointed_text(parse_flow_plan(text, "plan.toml", box_of(1.0))));
+  // Nor are the flows of a book shown about the other.
+  codebooks::ModelDescription model = built().result.book.model();
+  model.source = book_source(narrow);
+  const codebooks::Codebook book(model, built().result.book.pieces(), built().result.book.build(),
+                                 codebooks::made_now(text, 1.0));
+  CHECK_THROWS_WITH(flow_of(book, {{"angle_of_attack", 0.1}}, "book.h5", box_of(1.5)),
+                    Contains("book.h5") && Contains("about another mesh"));
+  CHECK_THROWS_WITH(flow_of(book, {{"angle_of_attack", 0.1}}, "book.h5", box_of(1.0)),
+                    Contains("on another grid"));
+}
+
+TEST_CASE("what a flow of a book warns of is told, and of which flow") {
+  FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  plan.flow.turbulence = TurbulenceModel::k_epsilon;
+  std::vector<std::string> told;
+  codebooks::BuildOptions options;
+  options.warning = [&](const std::string& sentence) { told.push_back(sentence); };
+  options.progress = [](const Progress&) { return false; };
+  const auto told_by = [&](const auto& build) {
+    told.clear();
+    CHECK_THROWS_AS(build(plan, options), NoResultError);
+    REQUIRE_FALSE(told.empty());
+    CHECK_THAT(told.front(), Catch::StartsWith("flow at ") && Contains("high Reynolds numbers"));
+  };
+  told_by(build_energy_book);
+  told_by(build_field_book);
+}
+
+TEST_CASE("a book whose body comes too near to a border between the ends of its box is refused") {
+  FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
+  plan.flow.shape = rectangle_section(1.0, 0.25);
+  plan.flow.cells_per_length = 16;
+  plan.flow.extent = {.before = 0.75, .side = 5.0};
+  plan.box.front().lower = -plan.box.front().upper;
+  for (const double end : {plan.box.front().lower, plan.box.front().upper})
+    CHECK_NOTHROW(check_case(flow_case_at(plan, {end}), plan.max_memory));
+  // The diagonal of the rectangle lies along the stream at 14 degrees.
+  CHECK_THROWS_WITH(check_book(plan), Contains("of a border, expected at least 0.25, four cells"));
+}
+
 TEST_CASE("a book refuses another file in place of its checkpoints before the first flow") {
   const FlowPlan plan = parse_flow_plan(kPlan, "plan.toml");
   const TemporaryDirectory directory;
@@ -303,6 +364,34 @@ TEST_CASE("a codebook of fields has the flows that its builder solved, and is ne
   }
   CHECK(stored.open == solved.body.cell);
   CHECK(std::isnan(stored.summary.drag));
+}
+
+TEST_CASE(
+    "a codebook of fields whose certificate lacks a flow says so, and the next build goes on from there") {
+  const TemporaryDirectory directory;
+  codebooks::BuildOptions options;
+  options.checkpoint = directory / "book.checkpoint";
+  options.resume = true;
+  // Cancelled in the last flow of all, the second of the certificate.
+  std::set<std::string> flows;
+  options.progress = [&](const Progress& report) {
+    flows.insert(report.stage);
+    return static_cast<double>(flows.size()) < built().result.book.build().evaluations;
+  };
+  const codebooks::BuildResult stopped = build_field_book(built().plan, options);
+  CHECK_FALSE(stopped.met);
+  CHECK(stopped.resumable);
+  const codebooks::Certificate& certificate = *stopped.book.certificate();
+  CHECK(certificate.failed_points == 1);
+  CHECK_THAT(certificate.failure, Contains("ends as \"cancelled\""));
+  CHECK(certificate.max_error > 0.0);
+  CHECK(std::filesystem::exists(options.checkpoint));
+  flows.clear();
+  const codebooks::BuildResult whole = build_field_book(built().plan, options);
+  CHECK(flows.size() == 1);
+  CHECK(whole.met);
+  CHECK(whole.book.certificate()->max_error == built().result.book.certificate()->max_error);
+  CHECK_FALSE(std::filesystem::exists(options.checkpoint));
 }
 
 TEST_CASE("a codebook of fields is asked at places, with gradients by the angle") {

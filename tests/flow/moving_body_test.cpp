@@ -306,6 +306,24 @@ TEST_CASE("a run with a moving body that was interrupted goes on to the same bit
   CHECK(rest.drag.value == whole.drag.value);
 }
 
+TEST_CASE("a run of a given time ends then, also where its body is too near to a border after it", "[flow]") {
+  FlowCase flow = moving_circle();
+  flow.motion->path = steady_path(Eigen::Vector3d::Zero(), {-1.0, 0.0, 0.0});
+  FlowOptions options;
+  options.end = FlowEnd::time;
+  options.max_time = 0.99;
+  const FlowResult result = solve_flow(flow, options);
+  CHECK(result.status == FlowStatus::ended);
+  CHECK(result.time == options.max_time);
+  REQUIRE(result.history.size() > 2);
+  const LoadRecord &last = result.history.back(), &before = result.history[result.history.size() - 2];
+  CHECK(last.time == options.max_time);
+  CHECK(last.step == Approx(options.max_time - before.time));
+  // Neither so long that much of a cell flows out, nor so short that rounding is in its loads.
+  CHECK(last.step < 1.15 * before.step);
+  CHECK(last.step > 0.05 * before.step);
+}
+
 TEST_CASE("paths that no body can follow on the grid are refused", "[flow]") {
   FlowOptions options;
   options.end = FlowEnd::time;
@@ -326,6 +344,19 @@ TEST_CASE("paths that no body can follow on the grid are refused", "[flow]") {
                     Catch::Contains("the path of the body is not finite at t = 0.5"));
   with_place([](double t) { return t < 0.5 ? 0.0 : 0.4; });
   CHECK_THROWS_WITH(solve_flow(flow, options), Catch::Contains("the body leaps by 0.4 at t = 0.5"));
+  // Before a march of hours comes there, at places between those that are looked at.
+  with_place([](double t) { return t < 0.90007 ? 0.0 : 0.4; });
+  CHECK_THROWS_WITH(check_path(flow, options), Catch::Contains("the body leaps by 0.4 at t = 0.90007") &&
+                                                   Catch::Contains("more than a cell, 0.125"));
+  flow.motion->path = [](double t) {
+    BodyPose pose;
+    pose.angle = t < 0.90007 ? 0.0 : 2.0 * kPi;
+    return pose;
+  };
+  CHECK_THROWS_WITH(check_path(flow, options), Catch::Contains("leaps") && Catch::Contains("at t = 0.90007"));
+  // Fast is no leap, even from one of these places to the next.
+  with_place([](double t) { return 0.4 * std::cos(2000.0 * kPi * t); });
+  CHECK_NOTHROW(check_path(flow, options));
   flow = moving_circle();
   options.end = FlowEnd::mean;
   CHECK_THROWS_WITH(solve_flow(flow, options), Catch::Contains("expected the end \"time\""));

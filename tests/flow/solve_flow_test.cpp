@@ -11,6 +11,7 @@
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
 #include "flow_cases.h"
+#include "samara/flow/files/flow_file.h"
 #include "samara/flow/march/flow_checkpoint.h"
 #include "samara/flow/march/flow_run.h"
 
@@ -73,6 +74,8 @@ TEST_CASE("a circle at Re 20 comes to rest, with the bubble and no lift", "[flow
   CHECK(result.drag.value == Approx(2.576).epsilon(0.01));
   CHECK(result.bubble_end == Approx(1.42).epsilon(0.05));
   CHECK(std::abs(result.lift) < 1e-3);
+  CHECK(result.strouhal == 0.0);
+  CHECK(result.lift_rms == 0.0);
 }
 
 TEST_CASE("a run that was interrupted goes on to the same bits", "[flow]") {
@@ -187,6 +190,19 @@ TEST_CASE("a mean that was not reached has no known error", "[flow]") {
   const FlowResult result = solve_flow(small_square(), options);
   CHECK(result.status == FlowStatus::max_time);
   CHECK(std::isinf(result.drag.half_width));
+  // Not 0, as of a flow that does not shed.
+  CHECK(std::isnan(result.drag_rms));
+  CHECK(std::isnan(result.lift_rms));
+  CHECK(std::isnan(result.strouhal));
+  const TemporaryDirectory directory;
+  FlowPlan plan;
+  plan.flow = small_square();
+  save_flow(result, plan, directory / "flow.h5");
+  const FlowSummary summary = load_flow(directory / "flow.h5").summary;
+  CHECK(summary.drag == result.drag.value);
+  CHECK_FALSE(summary.drag_half_width);
+  for (const double unknown : {summary.drag_rms, summary.lift_rms, summary.strouhal})
+    CHECK(std::isnan(unknown));
   CHECK(
       result.message ==
       "the drag has no mean of known error at max_time, 0.2 l/U: 0 whole periods were averaged, expected at "
@@ -280,4 +296,10 @@ TEST_CASE("what cannot be solved is refused before anything is taken", "[flow]")
       solve_flow(flow),
       "flow: the body is 0.1 thin at 8 cells per length, expected two cells across it, or a baffle: "
       "cells_per_length at least 20");
+  flow = small_square();
+  flow.shape = rectangle_section(1.0, 0.25);
+  flow.cells_per_length = 16;
+  flow.extent = {.before = 0.7, .side = 5.0};
+  CHECK_THROWS_WITH(check_case(flow, 2e9),
+                    "the body comes within 0.1875 of a border, expected at least 0.25, four cells");
 }

@@ -147,6 +147,8 @@ def test_a_flow_is_the_arrays_of_its_file_and_bodies_fly_in_its_wake(tmp_path):
     np.testing.assert_array_equal(flow["k"][~body], k[~body])
     assert list(flow) == list(flow.units) and flow.units["k"] == "U^2" and flow.z is None
     assert flow.summary["reynolds"] == 10000 and flow.summary["message"]
+    # Of a mean that was not reached.
+    assert all(flow.summary[name] is None for name in ["drag_half_width", "drag_rms", "lift_rms", "strouhal"])
     with pytest.raises(samara.UnknownNameError, match="vorticity"):
         flow["vorticity"]
     times = np.linspace(0, 0.05, 3)
