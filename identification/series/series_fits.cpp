@@ -138,15 +138,17 @@ SeriesFits::Judgement SeriesFits::judge(const FitResult& result, double factor) 
     if (!result.coefficients[static_cast<std::size_t>(k)].at_bound) judgement.free.push_back(k);
   }
   const std::vector<int>& free = judgement.free;
-  Eigen::VectorXd size(static_cast<Eigen::Index>(free.size()));
-  for (std::size_t k = 0; k < free.size(); ++k) {
-    const Coefficient& c = result.coefficients[static_cast<std::size_t>(free[k])];
-    size[static_cast<Eigen::Index>(k)] = 0.5 * (c.upper - c.lower);
+  Eigen::VectorXd half_box(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Coefficient& c = result.coefficients[static_cast<std::size_t>(k)];
+    half_box[k] = 0.5 * (c.upper - c.lower);
   }
-  const Eigen::MatrixXd whole = size.asDiagonal() * result.information(free, free) * size.asDiagonal();
+  const Eigen::VectorXd size = half_box(free);
+  const Eigen::MatrixXd of_all = half_box.asDiagonal() * result.information * half_box.asDiagonal();
+  const Eigen::MatrixXd whole = of_all(free, free);
   const Eigen::MatrixXd smooth = size.asDiagonal() * differences(free, free) * size.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> factorised(whole);
-  if (factorised.info() != Eigen::Success) return judgement;
+  const Eigen::LLT<Eigen::MatrixXd> factorised(whole), all_factorised(of_all);
+  if (factorised.info() != Eigen::Success || all_factorised.info() != Eigen::Success) return judgement;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(whole.rows(), whole.cols());
   const Eigen::MatrixXd inverse = factorised.solve(one);
   judgement.resolution = inverse * (whole - smooth);
@@ -160,7 +162,9 @@ SeriesFits::Judgement SeriesFits::judge(const FitResult& result, double factor) 
       std::max(0.0, total - penalty) / left * inverse.diagonal().cwiseProduct(size.cwiseAbs2());
   const auto series = static_cast<double>(spans_.knots.coefficients.size());
   const double straight = static_cast<double>(count) - series * static_cast<double>(rows_.rows());
-  const double log_determinant = 2.0 * Eigen::MatrixXd(factorised.matrixL()).diagonal().array().log().sum();
+  // Of all values: a smoothness at which more of them lie at bounds would win by their number alone.
+  const double log_determinant =
+      2.0 * Eigen::MatrixXd(all_factorised.matrixL()).diagonal().array().log().sum();
   judgement.criterion = (residual_count - own - straight) * std::log(total) + log_determinant +
                         2.0 * static_cast<double>(rows_.rows()) * free_scales() * std::log(factor);
   return judgement;

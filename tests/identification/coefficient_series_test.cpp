@@ -196,6 +196,28 @@ TEST_CASE("a coefficient that does not change is a straight line within its erro
   CHECK(std::ranges::count(series.coefficients[0].basis, InstantBasis::neighbours) >= 10);
 }
 
+TEST_CASE(
+    "how far a box goes beyond all values does not decide the smoothness, though some lie at its other end") {
+  const Capture capture = fluttering(0.0, 6);
+  const auto trials_up_to = [&](double upper) {
+    FitOptions options = series_options();
+    options.unknowns.box["C_R"] = {2.0, upper};
+    const CoefficientSeries series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, options,
+                                                {.coefficients = {"C_R"}, .span = 0.8});
+    // The truth is where the box begins.
+    CHECK(std::ranges::count(series.coefficients.at(0).basis, InstantBasis::bound) > 0);
+    CHECK(series.coefficients.at(0).values.maxCoeff() < 3.9);
+    return series.trials;
+  };
+  const auto near = trials_up_to(4.0), far = trials_up_to(16.0);
+  const std::size_t common = std::min(near.size(), far.size());
+  REQUIRE(common > 1);
+  for (std::size_t k = 1; k < common; ++k) {
+    REQUIRE(near[k].factor == far[k].factor);
+    CHECK_THAT(near[k].criterion - near[0].criterion, WithinAbs(far[k].criterion - far[0].criterion, 0.1));
+  }
+}
+
 TEST_CASE("a series whose mean is far from what was known of its coefficient is warned of") {
   const Capture capture = fluttering(0.0, 6);
   const auto clashes = [&](double deviation) {
