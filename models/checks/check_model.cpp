@@ -94,9 +94,10 @@ double random_value(const ParameterInfo& parameter, std::mt19937& random) {
   }
   if (parameter.default_value && *parameter.default_value != 0.0) {
     const double value = *parameter.default_value * factor(random);
-    if (value > parameter.lower) return value;
+    if (value > parameter.lower && value < parameter.upper) return value;
   }
   if (std::isfinite(parameter.lower)) return parameter.lower + factor(random);
+  if (std::isfinite(parameter.upper)) return parameter.upper - factor(random);
   // Small beside parameters that are not zero: entries off the diagonal of a matrix must leave it regular.
   return 0.1 * (factor(random) - 1.25);
 }
@@ -305,6 +306,18 @@ void check_outputs(const Model& model, Point& point, double tolerance, Findings&
   check_columns(model, point, outputs, by_x, by_p, tolerance, findings);
 }
 
+/// Whether f changes where a state moves by its scale: over a jump derivatives are blind.
+bool depends_on(const Model& model, const Point& point, std::size_t state) {
+  std::vector<double> x = point.x, f(x.size());
+  x[state] += state_scale(model.info().states[state], model.scales(point.p));
+  model.rhs(point.t, x, point.p, f);
+  const Eigen::VectorXd sizes = term_sizes(point);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (!(std::abs(f[i] - point.f[i]) <= kEqualRates * sizes[static_cast<Eigen::Index>(i)])) return true;
+  }
+  return false;
+}
+
 /// "translation of x" means that f does not depend on x.
 void check_symmetries(const Model& model, const Point& point, Findings& findings) {
   const std::string translation = "translation of ";
@@ -315,7 +328,8 @@ void check_symmetries(const Model& model, const Point& point, Findings& findings
     const auto state = std::ranges::find(states, name, &StateInfo::name);
     if (state == states.end()) {
       findings.push_back("symmetry " + in_quotes(symmetry) + " names no state");
-    } else if (!point.df_dx.col(state - states.begin()).isZero(0.0)) {
+    } else if (!point.df_dx.col(state - states.begin()).isZero(0.0) ||
+               depends_on(model, point, static_cast<std::size_t>(state - states.begin()))) {
       findings.push_back("symmetry " + in_quotes(symmetry) + " does not hold: f depends on " +
                          in_quotes(name));
     }

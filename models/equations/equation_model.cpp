@@ -46,6 +46,12 @@ void require_finite(EquationPart part, const std::string& name, double value, co
                         fmt::format("{} of \"{}\" is {}, expected a finite number", what, name, value));
 }
 
+void require_short(const ExpressionGraph& graph) {
+  if (graph.size() > kMostNodes)
+    throw EquationError(EquationPart::rates, "",
+                        "the derivatives of the equations are too long to be stored");
+}
+
 class EquationCompiler {
  public:
   explicit EquationCompiler(const Equations& equations) : equations_(equations) {}
@@ -185,27 +191,32 @@ class EquationCompiler {
     find_affine();
   }
 
-  bool is_zero(int node) const { return compiled_.graph.is_constant(node, 0.0); }
-
   void find_translations() {
     for (std::size_t i = 0; i < equations_.states.size(); ++i) {
       const bool is_free = std::ranges::all_of(compiled_.rates, [&](int rate) {
-        return is_zero(compiled_.graph.derivative(rate, static_cast<int>(i)));
+        return compiled_.graph.standing(rate, static_cast<int>(i)) == Standing::absent;
       });
       if (is_free) compiled_.info.symmetries.push_back("translation of " + equations_.states[i].name);
     }
   }
 
-  /// Parameters whose second derivatives with all those before vanish: f is affine in them together.
+  bool has_no_slope(int node, int symbol) {
+    const int slope = compiled_.graph.derivative(node, symbol);
+    require_short(compiled_.graph);
+    return compiled_.graph.is_constant(slope, 0.0);
+  }
+
+  /// Parameters outside of kinks whose second derivatives with all those before vanish: f is affine in them together.
   void find_affine() {
     const auto states = static_cast<int>(equations_.states.size());
     std::vector<int> affine;
     for (int j = 0; j < static_cast<int>(equations_.parameters.size()); ++j) {
       affine.push_back(states + j);
       const bool holds = std::ranges::all_of(compiled_.rates, [&](int rate) {
+        // At a kink derivatives are those of one side, and say nothing of the other.
+        if (compiled_.graph.standing(rate, states + j) == Standing::kinked) return false;
         const int slope = compiled_.graph.derivative(rate, states + j);
-        return std::ranges::all_of(
-            affine, [&](int other) { return is_zero(compiled_.graph.derivative(slope, other)); });
+        return std::ranges::all_of(affine, [&](int other) { return has_no_slope(slope, other); });
       });
       if (!holds) affine.pop_back();
     }
@@ -218,12 +229,6 @@ class EquationCompiler {
   CompiledEquations compiled_;
   std::map<std::string, Term> names_;
 };
-
-void require_short(const ExpressionGraph& graph) {
-  if (graph.size() > kMostNodes)
-    throw EquationError(EquationPart::rates, "",
-                        "the derivatives of the equations are too long to be stored");
-}
 
 /// An entry of a Jacobian that is not always zero.
 struct JacobianEntry {
@@ -426,6 +431,19 @@ class EquationModel final : public Model {
   std::size_t entries_by_state_ = 0;
 };
 
+bool has_time(const std::string& text) {
+  const auto is_of_name = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+           static_cast<unsigned char>(c) >= 0x80;
+  };
+  for (auto begin = text.begin(); begin != text.end();) {
+    const auto end = std::find_if_not(begin, text.end(), is_of_name);
+    if (end - begin == 1 && *begin == 't') return true;
+    begin = end == begin ? begin + 1 : end;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::shared_ptr<const Model> equation_model(const Equations& equations) {
@@ -433,20 +451,14 @@ std::shared_ptr<const Model> equation_model(const Equations& equations) {
 }
 
 bool mention_time(const Equations& equations) {
-  const auto is_of_name = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
-           static_cast<unsigned char>(c) >= 0x80;
-  };
-  const auto mentions = [&](const std::string& text) {
-    for (auto begin = text.begin(); begin != text.end();) {
-      const auto end = std::find_if_not(begin, text.end(), is_of_name);
-      if (end - begin == 1 && *begin == 't') return true;
-      begin = end == begin ? begin + 1 : end;
-    }
-    return false;
-  };
-  return std::ranges::any_of(equations.rates, mentions) ||
-         std::ranges::any_of(equations.abbreviations, [&](const auto& one) { return mentions(one.second); });
+  return std::ranges::any_of(equations.rates, has_time) ||
+         std::ranges::any_of(equations.abbreviations, [](const auto& one) { return has_time(one.second); });
+}
+
+bool outputs_mention_time(const Equations& equations) {
+  const auto mentions = [](const auto& one) { return has_time(one.second); };
+  return std::ranges::any_of(equations.abbreviations, mentions) ||
+         std::ranges::any_of(equations.outputs, mentions);
 }
 
 const Equations* equations_of(const Model& model) {

@@ -61,6 +61,8 @@ std::shared_ptr<const Model> equation_model(const Equations& equations);
 
 /// Whether t stands in the rates, or in an abbreviation.
 bool mention_time(const Equations& equations);
+/// Whether t stands in the outputs, or in an abbreviation.
+bool outputs_mention_time(const Equations& equations);
 
 /// The text of a model that was made by equation_model(); null of any other.
 const Equations* equations_of(const Model& model);

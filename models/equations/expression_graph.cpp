@@ -7,13 +7,25 @@
 
 namespace samara::models {
 
+namespace {
+
+bool has_kink(Operation operation) {
+  using enum Operation;
+  return operation == absolute || operation == smaller || operation == larger || operation == sign ||
+         operation == step;
+}
+
+}  // namespace
+
 bool is_binary(Operation operation) {
   using enum Operation;
   switch (operation) {
     case add:
     case subtract:
     case multiply:
+    case product:
     case divide:
+    case quotient:
     case power:
     case arctangent2:
     case smaller:
@@ -36,8 +48,12 @@ double apply(Operation operation, double a, double b) {
       return a - b;
     case multiply:
       return a * b;
+    case product:
+      return a == 0.0 ? 0.0 : a * b;
     case divide:
       return a / b;
+    case quotient:
+      return a == 0.0 && b == 0.0 ? 0.0 : a / b;
     case negate:
       return -a;
     case power:
@@ -113,10 +129,12 @@ int ExpressionGraph::simplified(Operation operation, int a, int b) const {
       if (is_constant(b, 0.0)) return a;
       break;
     case multiply:
+    case product:
       if (is_constant(a, 0.0) || is_constant(b, 1.0)) return a;
       if (is_constant(b, 0.0) || is_constant(a, 1.0)) return b;
       break;
     case divide:
+    case quotient:
       if (is_constant(b, 1.0)) return a;
       break;
     case negate:
@@ -158,7 +176,27 @@ int ExpressionGraph::whole_power(int base, int exponent) {
   return exponent % 2 == 0 ? square : make(Operation::multiply, square, base);
 }
 
+Standing ExpressionGraph::standing(int node, int number) {
+  std::vector<Standing>& known = standings_[number];
+  while (known.size() <= static_cast<std::size_t>(node)) {
+    const auto [operation, a, b, value] = nodes_[known.size()];
+    Standing own = Standing::absent;
+    if (operation == Operation::symbol) {
+      if (a == number) own = Standing::smooth;
+    } else if (operation != Operation::constant) {
+      own = known[static_cast<std::size_t>(a)];
+      if (b >= 0) own = std::max(own, known[static_cast<std::size_t>(b)]);
+      if (own == Standing::smooth && has_kink(operation)) own = Standing::kinked;
+    }
+    known.push_back(own);
+  }
+  return known[static_cast<std::size_t>(node)];
+}
+
 int ExpressionGraph::derivative(int node, int number) {
+  const auto is_missing = [&](int of) {
+    return standing(of, number) != Standing::absent && !derivatives_.contains({of, number});
+  };
   // Arguments are older than what is made of them: without recursion, whose depth a long sum would exhaust.
   std::vector<int> wanted = {node};
   while (!wanted.empty()) {
@@ -167,7 +205,7 @@ int ExpressionGraph::derivative(int node, int number) {
     std::vector<int> before;
     if (it.operation != Operation::constant && it.operation != Operation::symbol) {
       for (const int argument : {it.a, it.b}) {
-        if (argument >= 0 && !derivatives_.contains({argument, number})) before.push_back(argument);
+        if (argument >= 0 && is_missing(argument)) before.push_back(argument);
       }
     }
     if (!before.empty()) {
@@ -175,18 +213,21 @@ int ExpressionGraph::derivative(int node, int number) {
       continue;
     }
     wanted.pop_back();
-    if (!derivatives_.contains({next, number})) derivatives_[{next, number}] = differentiate(next, number);
+    if (is_missing(next)) derivatives_[{next, number}] = differentiate(next, number);
   }
-  return derivatives_.at({node, number});
+  return known_derivative(node, number);
 }
 
-/// With the derivatives of its arguments at hand.
+int ExpressionGraph::known_derivative(int node, int number) {
+  return standing(node, number) == Standing::absent ? constant(0.0) : derivatives_.at({node, number});
+}
+
+/// With the derivatives of its arguments at hand, of a node in which the symbol stands.
 int ExpressionGraph::differentiate(int node, int number) {
   using enum Operation;
   const auto [operation, a, b, value] = (*this)[node];
-  if (operation == Operation::constant) return this->constant(0.0);
-  if (operation == Operation::symbol) return this->constant(a == number ? 1.0 : 0.0);
-  const int da = derivatives_.at({a, number}), db = b >= 0 ? derivatives_.at({b, number}) : -1;
+  if (operation == Operation::symbol) return this->constant(1.0);
+  const int da = known_derivative(a, number), db = b >= 0 ? known_derivative(b, number) : -1;
   const auto times = [&](int x, int y) { return make(multiply, x, y); };
   const auto one = [&] { return this->constant(1.0); };
   const auto square = [&](int x) { return times(x, x); };
@@ -198,17 +239,20 @@ int ExpressionGraph::differentiate(int node, int number) {
       return make(operation, da, db);
     case multiply:
       return make(add, times(da, b), times(a, db));
+    case product:
+      return make(add, make(product, da, b), make(product, a, db));
     case divide:
-      return make(divide, make(subtract, da, times(node, db)), b);
+    case quotient:
+      return make(operation, make(subtract, da, times(node, db)), b);
     case negate:
       return make(negate, da);
     case power: {
-      int sum = times(times(b, make(power, a, make(subtract, b, one()))), da);
-      if (!is_constant(db, 0.0)) sum = make(add, sum, times(times(node, make(logarithm, a)), db));
+      int sum = make(product, da, times(b, make(power, a, make(subtract, b, one()))));
+      if (!is_constant(db, 0.0)) sum = make(add, sum, times(make(product, node, make(logarithm, a)), db));
       return sum;
     }
     case square_root:
-      return make(divide, da, times(this->constant(2.0), node));
+      return make(quotient, da, times(this->constant(2.0), node));
     case exponential:
       return times(node, da);
     case logarithm:
@@ -226,7 +270,7 @@ int ExpressionGraph::differentiate(int node, int number) {
     case arctangent:
       return make(divide, da, make(add, one(), square(a)));
     case arctangent2:
-      return make(divide, make(subtract, times(b, da), times(a, db)), make(add, square(a), square(b)));
+      return make(quotient, make(subtract, times(b, da), times(a, db)), make(add, square(a), square(b)));
     case hyperbolic_sine:
       return times(make(hyperbolic_cosine, a), da);
     case hyperbolic_cosine:

@@ -15,7 +15,9 @@ enum class Operation {
   add,
   subtract,
   multiply,
+  product,  ///< a*b, but 0 where a is, whatever b
   divide,
+  quotient,  ///< a/b, but 0 for 0/0
   negate,
   power,
   square_root,
@@ -48,6 +50,13 @@ struct ExpressionNode {
 /// Whether the operation has a second argument.
 bool is_binary(Operation operation);
 
+/// How a symbol stands in an expression.
+enum class Standing : char {
+  absent,
+  smooth,
+  kinked,  ///< within abs, min, max, sign or step
+};
+
 /// f(a, b), as evaluation has it.
 double apply(Operation operation, double a, double b);
 
@@ -64,8 +73,12 @@ class ExpressionGraph {
   int size() const { return static_cast<int>(nodes_.size()); }
   bool is_constant(int node, double value) const;
 
+  /// How symbol `number` stands in a node.
+  Standing standing(int node, int number);
+
   /// The exact derivative of a node by symbol `number`. Where min, max, abs, sign or step have none it is that of one
-  /// side.
+  /// side; where the chain rule gives 0/0 or 0 times infinity, such as of sqrt(u^2 + v^2) at rest, roots, powers and
+  /// atan2 have 0.
   int derivative(int node, int number);
 
  private:
@@ -73,10 +86,12 @@ class ExpressionGraph {
   int simplified(Operation operation, int a, int b) const;
   int whole_power(int base, int exponent);
   int differentiate(int node, int number);
+  int known_derivative(int node, int number);
 
   std::vector<ExpressionNode> nodes_;
   std::map<ExpressionNode, int> known_;
-  std::map<std::pair<int, int>, int> derivatives_;  ///< by node and symbol
+  std::map<std::pair<int, int>, int> derivatives_;  ///< by node and symbol, where the symbol is not absent
+  std::map<int, std::vector<Standing>> standings_;  ///< by symbol, of the nodes from the first on
 };
 
 }  // namespace samara::models

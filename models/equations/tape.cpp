@@ -158,8 +158,20 @@ void Tape::run(double* work) const {
       case Operation::multiply:
         each<lanes>([&](int k) { to[k] = a[k] * b[k]; });
         break;
+      case Operation::product:
+        each<lanes>([&](int k) {
+          const double plain = a[k] * b[k];
+          to[k] = a[k] == 0.0 ? 0.0 : plain;
+        });
+        break;
       case Operation::divide:
         each<lanes>([&](int k) { to[k] = a[k] / b[k]; });
+        break;
+      case Operation::quotient:
+        each<lanes>([&](int k) {
+          const double plain = a[k] / b[k];
+          to[k] = a[k] == 0.0 && b[k] == 0.0 ? 0.0 : plain;
+        });
         break;
       case Operation::negate:
         each<lanes>([&](int k) { to[k] = -a[k]; });

@@ -156,19 +156,27 @@ void CvodesSolver::start(std::span<const double> q, double end) {
   must(CVodeSetStopTime(cvodes_.get(), end), "CVodeSetStopTime");
   // 0: without a bound.
   if (options_.max_step == 0.0)
-    must(CVodeSetMaxStep(cvodes_.get(), acts_for_a_while(end) ? end / kStepsOverTime : 0.0),
+    must(CVodeSetMaxStep(cvodes_.get(), acts_for_a_while(end, scales) ? end / kStepsOverTime : 0.0),
          "CVodeSetMaxStep");
   if (sensitivity_count_ > 0) start_sensitivities(scales);
 }
 
-bool CvodesSolver::acts_for_a_while(double end) {
+bool CvodesSolver::acts_for_a_while(double end, const Scales& scales) {
   const Equations* const text = equations_of(model_.model());
   if (text == nullptr || end <= 0.0 || !mention_time(*text)) return false;
+  // What multiplies a state has no effect where that is 0.
+  std::vector<double> moved(states().begin(), states().end());
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    moved[i] += state_scale(model_.model().info().states[i], scales);
+  return acts_for_a_while_at(states(), end) || acts_for_a_while_at(moved, end);
+}
+
+bool CvodesSolver::acts_for_a_while_at(std::span<const double> x, double end) {
   constexpr Eigen::Index kApart = 8;
-  constexpr double kSmooth = 0.1;
+  constexpr double kSmooth = 0.03;  // three periods of a sine bend less
   Eigen::MatrixXd rates(std::ssize(rate_), kStepsOverTime + 1);
   for (Eigen::Index k = 0; k < rates.cols(); ++k) {
-    model_.rhs(end * static_cast<double>(k) / kStepsOverTime, states(), q_, rate_, workspace_);
+    model_.rhs(end * static_cast<double>(k) / kStepsOverTime, x, q_, rate_, workspace_);
     rates.col(k) = Eigen::Map<const Eigen::VectorXd>(rate_.data(), std::ssize(rate_));
   }
   if (!rates.allFinite()) return true;

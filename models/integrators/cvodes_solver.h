@@ -47,9 +47,10 @@ class CvodesSolver {
   void create_sensitivity_solver();
   void start_sensitivities(const Scales& scales);
   /// Whether equations as text hold what acts for a while only, which steps that the tolerance allows would leap over:
-  /// at the start states, over the time to `end`, their rates do not change smoothly, or not at all though t stands in
-  /// them.
-  bool acts_for_a_while(double end);
+  /// at the start states, or off them by their scales, their rates do not change smoothly over the time to `end`, or
+  /// not at all though t stands in them.
+  bool acts_for_a_while(double end, const Scales& scales);
+  bool acts_for_a_while_at(std::span<const double> x, double end);
   /// Brings `derivatives_` to the point (t, x), unless they are there.
   void linearise(double t, std::span<const double> x);
 

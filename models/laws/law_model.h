@@ -97,6 +97,8 @@ class LawModel final : public Model {
     if (HasForces<Law> != !info_.force_terms.empty()) {
       throw ArgumentError("law \"" + info_.name + "\" has force terms and no forces, or the reverse");
     }
+    if (!info_.outputs.empty())
+      throw ArgumentError("law \"" + info_.name + "\" lists outputs, expected none: laws have states alone");
     for (std::size_t j = 0; j < kParameters; ++j) {
       defaults_[j] = info_.parameters[j].default_value.value_or(0.0);
     }

@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/models/equations/equation_model.h"
 #include "samara/models/trajectories/model_symmetry.h"
 
 namespace samara::models {
@@ -157,6 +158,8 @@ class DerivedTrajectories final : public TrajectoryFamily {
 
   /// Whether an output changes with time while the states stay: then a part of a trajectory is none from 0 on.
   bool depends_on_time() const {
+    // No times that are tried would meet a switch, or what acts for a moment.
+    if (const Equations* const text = equations_of(model().model())) return outputs_mention_time(*text);
     const ModelInfo& info = model().model().info();
     std::vector<double> y(info.outputs.size());
     Eigen::VectorXd by_t(std::ssize(y));

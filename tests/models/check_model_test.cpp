@@ -73,6 +73,19 @@ TEST_CASE("a symmetry that does not hold is found") {
   CHECK(finds(model, "f depends on \"x\""));
   model.mutable_info().symmetries = {"translation of z"};
   CHECK(finds(model, "names no state"));
+  ScalarModel jump([](double, double x, double p) { return x < 0.5 ? 0.0 : p; },
+                   [](double, double, double) { return 0.0; },
+                   [](double, double x, double) { return x < 0.5 ? 0.0 : 1.0; });
+  jump.mutable_info().symmetries = {"translation of x"};
+  CHECK(finds(jump, "f depends on \"x\""));
+}
+
+TEST_CASE("a parameter with an upper bound alone is tried below it") {
+  ScalarModel model([](double, double x, double p) { return -x * std::sqrt(1.1 - p); },
+                    [](double, double, double p) { return -std::sqrt(1.1 - p); },
+                    [](double, double x, double p) { return 0.5 * x / std::sqrt(1.1 - p); });
+  model.mutable_info().parameters[0].upper = 1.0;
+  CHECK(check_model(model).findings.empty());
 }
 
 TEST_CASE("the check refuses options without meaning") {

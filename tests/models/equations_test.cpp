@@ -12,6 +12,7 @@
 #include "samara/models/checks/parameter_warnings.h"
 #include "samara/models/equations/equation_model.h"
 #include "samara/models/integrators/integrate.h"
+#include "samara/models/integrators/rk4.h"
 #include "samara/models/laws/law_model.h"
 #include "samara/models/trajectories/check_family.h"
 #include "samara/models/trajectories/reference_trajectories.h"
@@ -79,6 +80,15 @@ struct CompiledSpring {
     const S speed = sqrt(x[1] * x[1] + floor * floor);
     dxdt[0] = x[1];
     dxdt[1] = -frequency * frequency * p[3] * tanh(x[0] / p[3]) - p[2] / p[0] * speed * x[1];
+  }
+};
+
+/// Laws have no way to compute what it lists.
+struct SpringWithOutputs : CompiledSpring {
+  static ModelInfo info() {
+    ModelInfo info = CompiledSpring::info();
+    info.outputs = {{.name = "energy", .unit = "J"}};
+    return info;
   }
 };
 
@@ -160,6 +170,11 @@ TEST_CASE("text and C++ make the same model") {
         1e-13 * expected_jacobians.cwiseAbs().maxCoeff());
 }
 
+TEST_CASE("a law that lists outputs is refused") {
+  CHECK_THAT(error_text<samara::ArgumentError>([] { const LawModel<SpringWithOutputs, false> refused; }),
+             Contains("law \"compiled_spring\" lists outputs, expected none"));
+}
+
 TEST_CASE("equations tell by themselves where they are affine and what they do not depend on") {
   Equations fall{.states = {{.name = "z", .unit = "m"}, {.name = "v", .unit = "m/s"}},
                  .parameters = {positive_number("g", "m/s^2"), positive_number("drag", "1/m"),
@@ -170,6 +185,56 @@ TEST_CASE("equations tell by themselves where they are affine and what they do n
   CHECK(info.affine_in == std::vector<std::string>{"g", "drag"});
   CHECK(info.symmetries == std::vector<std::string>{"translation of z"});
   CHECK_THAT(info.equations, Contains("v' = g*share"));
+}
+
+TEST_CASE("rates depend on what stands in a step, and are not affine in what stands at a kink") {
+  const auto braked =
+      equation_model({.states = {{.name = "x", .unit = "1"}, {.name = "v", .unit = "1"}},
+                      .parameters = {positive_number("brake", "1"), positive_number("edge", "1")},
+                      .rates = {"v", "-brake*step(x - edge)"}});
+  CHECK(braked->info().symmetries.empty());
+  CHECK(braked->info().affine_in == std::vector<std::string>{"brake"});
+  CHECK(equation_model(one_rate("abs(p)*x"))->info().affine_in.empty());
+}
+
+TEST_CASE("roots, powers and atan2 have finite derivatives where what they are taken of rests") {
+  const auto by_states_at_rest = [](const Model& model) {
+    const std::size_t parameters = model.info().parameters.size();
+    std::vector<double> f(2);
+    Eigen::MatrixXd by_x(2, 2), by_p(2, static_cast<Eigen::Index>(parameters));
+    const ParameterValues p = {std::vector<double>(parameters, 1.5), std::vector<char>(parameters, 1)};
+    model.rhs_with_derivatives(0.0, std::vector<double>(2), p, f, by_x, by_p);
+    CHECK(by_p.allFinite());
+    return by_x;
+  };
+  for (const char* text : {"-x^p", "sqrt(x^2 + y^2)", "(x^2 + y^2)^0.3", "atan2(x, y)"}) {
+    CAPTURE(text);
+    CHECK(by_states_at_rest(*equation_model(one_rate(text))).isZero(0.0));
+  }
+  CHECK(std::isinf(by_states_at_rest(*equation_model(one_rate("sqrt(x)")))(0, 0)));
+}
+
+TEST_CASE("a fall from rest against a quadratic drag has the sensitivities of its solution") {
+  const double drag = 0.7, g = 9.81;
+  const auto fall =
+      equation_model({.states = {{.name = "u", .unit = "m/s"}, {.name = "v", .unit = "m/s"}},
+                      .parameters = {positive_number("drag", "1/m"), positive_number("g", "m/s^2")},
+                      .rates = {"-drag*sqrt(u^2 + v^2)*u", "-g - drag*sqrt(u^2 + v^2)*v"}});
+  Eigen::MatrixXd jacobians(4, 3);
+  const Eigen::MatrixXd x = Eigen::MatrixXd::Zero(2, 3), p = Eigen::Vector2d(drag, g).replicate(1, 3);
+  fall->jacobians_at_points(Eigen::VectorXd::Zero(3), x, p, jacobians);
+  CHECK(jacobians.isZero(0.0));
+  const ParametricModel model(fall, {{"g", g}}, {"drag"});
+  const std::vector<double> q = {drag}, times = {0.2, 1.0};
+  const Trajectory found = integrate(model, q, times, {}, true);
+  REQUIRE(found.is_usable());
+  for (Eigen::Index row = 0; row < 2; ++row) {
+    // v = -w tanh(s) with s = g t/w, where w = sqrt(g/drag).
+    const double w = std::sqrt(g / drag), s = g * found.times[row] / w;
+    const double by_drag = w / (2.0 * drag) * (std::tanh(s) - s / (std::cosh(s) * std::cosh(s)));
+    CHECK(found.sensitivities[0](row, 1) == Approx(by_drag).epsilon(1e-6));
+    CHECK(found.sensitivities[0](row, 0) == 0.0);
+  }
 }
 
 TEST_CASE("what is no expression is refused with its column and what was expected") {
@@ -305,6 +370,9 @@ TEST_CASE(
   Equations steady = pendulum();
   steady.outputs.erase(steady.outputs.begin());  // the tip, which moves along the rail
   CHECK(reference_trajectories(equation_model(steady), fixed, box)->info().autonomous);
+  // Its derivative by the time is zero wherever there is one.
+  steady.outputs[0].second += "*(1 + 0.5*step(t - 2 [s]))";
+  CHECK_FALSE(reference_trajectories(equation_model(steady), fixed, box)->info().autonomous);
 }
 
 TEST_CASE("outputs that make no sense are refused") {
@@ -377,6 +445,22 @@ TEST_CASE("a force that acts for a hundredth of the time is not leapt over") {
     CHECK(std::abs(found.states(1, 0)) < 1e-8);
     CHECK(found.states(2, 0) == Approx(1.5).epsilon(1e-7));
     CHECK(found.states(3, 0) == Approx(1.5).epsilon(1e-7));
+  }
+}
+
+TEST_CASE("what acts for a while is met, also where it has nothing to act on at the start, or is small") {
+  for (const char* text :
+       {"push*cos(t/2000) - exp(-((t - 47.2)/0.5)^2)*v", "push*(t/100 + 0.09*exp(-(t - 47.2)^2))"}) {
+    const auto pushed = equation_model({.states = {{.name = "v", .unit = "1"}},
+                                        .parameters = {{.name = "push", .unit = "1"}},
+                                        .rates = {text}});
+    CAPTURE(text);
+    const ParametricModel model(pushed, {}, {"push"});
+    const std::vector<double> q = {1.0}, times = {100.0};
+    const Trajectory found = integrate(model, q, times);
+    REQUIRE(found.is_usable());
+    const double stepped = integrate_rk4(model, q, times, {.step = 0.01}).states(0, 0);
+    CHECK(found.states(0, 0) == Approx(stepped).epsilon(1e-7));
   }
 }
 
