@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -107,30 +108,69 @@ std::optional<models::ParametricModel> known_equations(const Codebook& book) {
   }
 }
 
-/// What the codebook leaves to the model's defaults the family must not free, nor hold at another value.
+/// Ends of the codebook's box, and a point that has another share of every interval: defaults that follow from what is
+/// free differ from point to point.
+std::vector<std::vector<double>> points_of_box(const Codebook& book) {
+  std::vector<std::vector<double>> points(3);
+  for (std::size_t k = 0; k < book.parameters().size(); ++k) {
+    const Coordinate& c = book.parameters()[k];
+    const double share = std::fmod(static_cast<double>(k + 1) * std::numbers::phi, 1.0);
+    points[0].push_back(c.lower);
+    points[1].push_back(c.upper);
+    points[2].push_back(c.lower + share * (c.upper - c.lower));
+  }
+  return points;
+}
+
+/// Whether the motion depends on which of two values a parameter has: none does on `nu` where forces do not depend on
+/// the Reynolds number, nor on what outputs alone ask for. Every start may.
+bool acts(const models::ParametricModel& model, const std::string& name, double one, double other,
+          const std::vector<std::vector<double>>& points) {
+  const models::ModelInfo& info = model.model().info();
+  if (std::ranges::count(info.parameters, name, &models::ParameterInfo::name) == 0) return true;
+  std::vector<std::string> free;
+  for (const models::FreeCoordinate& c : model.free()) free.push_back(c.name);
+  const auto with = [&](double value) {
+    std::map<std::string, double> fixed = model.fixed();
+    fixed[name] = value;
+    return models::ParametricModel(model.shared_model(), fixed, free);
+  };
+  const models::ParametricModel first = with(one), then = with(other);
+  models::ParametricModel::Workspace of_first = first.make_workspace(), of_then = then.make_workspace();
+  std::vector<double> x(info.states.size()), f(x.size()), g(x.size());
+  int number = 0;
+  for (const std::vector<double>& q : points) {
+    const models::Scales scales = first.scales(q);
+    first.initial(q, x);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      x[i] += std::fmod(++number * std::numbers::phi, 1.0) * models::state_scale(info.states[i], scales);
+    first.rhs(0.0, x, q, f, of_first);
+    then.rhs(0.0, x, q, g, of_then);
+    if (f != g) return true;
+  }
+  return false;
+}
+
+/// What the codebook leaves to the model's defaults the family must not free, nor hold at another value, if it acts.
 void check_defaults(const Codebook& book, const models::FamilyInfo& direct) {
   const auto is_default = [&](const std::string& name) {
     return !is_place(direct, name) && !book.model().fixed.contains(name) &&
            std::ranges::count(book.coordinates(), name, &Coordinate::name) == 0;
   };
+  const std::optional<models::ParametricModel> model = known_equations(book);
+  const std::vector<std::vector<double>> points = points_of_box(book);
   for (const models::FamilyCoordinate& c : direct.coordinates) {
-    if (!is_default(c.name)) continue;
+    if (!is_default(c.name) || (model && !acts(*model, c.name, c.lower, c.upper, points))) continue;
     throw ArgumentError(fmt::format("\"{}\" is free in the {}; a coordinate of the codebook was expected",
                                     c.name, direct.source));
   }
-  const std::optional<models::ParametricModel> model = known_equations(book);
   if (!model) return;
-  // Defaults that follow from what is free differ from corner to corner.
-  std::vector<double> lower, upper;
-  for (const Coordinate& c : book.parameters()) {
-    lower.push_back(c.lower);
-    upper.push_back(c.upper);
-  }
-  for (const std::vector<double>& corner : {lower, upper}) {
-    const std::map<std::string, double> values = values_of_model(*model, corner);
+  for (const std::vector<double>& q : points) {
+    const std::map<std::string, double> values = values_of_model(*model, q);
     for (const auto& [name, held] : direct.fixed) {
       const auto value = values.find(name);
       if (!is_default(name) || value == values.end() || same(held, value->second)) continue;
+      if (!acts(*model, name, held, value->second, points)) continue;
       throw ArgumentError(
           fmt::format("the {} holds \"{}\" at {}; {} was expected, the default of the codebook",
                       direct.source, name, held, value->second));

@@ -108,10 +108,17 @@ class FieldBuilder {
     book = book.with_mesh(cell_mesh(grid_of(plan_.flow)));
     codebooks::Certificate certificate = certify(book);
     certificate.met = certificate.met && growth_.status == Termination::converged;
-    const std::string message = fmt::format(
-        "{}; {:.0f} % of all places are within {:.3g} at {} points, tolerance {:.3g}", record.message,
-        100.0 * kShareOfPlaces, certificate.max_error, certificate.points, certificate.tolerance);
     const bool met = certificate.met, incomplete = certificate.failed_points > 0;
+    const int compared = certificate.points - certificate.failed_points;
+    std::string message = record.message;
+    if (compared > 0) {
+      message += fmt::format("; {:.0f} % of all places are within {:.3g} at {} points, tolerance {:.3g}",
+                             100.0 * kShareOfPlaces, certificate.max_error, compared, certificate.tolerance);
+    }
+    if (incomplete) {
+      message += fmt::format("; {} of {} points of the certificate have no flow: {}",
+                             certificate.failed_points, certificate.points, certificate.failure);
+    }
     return {book.with_certificate(std::move(certificate)), met, message, incomplete};
   }
 

@@ -255,19 +255,23 @@ void set_coordinates(const models::FamilyInfo& family, const FitResult& fitted, 
                      Experiment& experiment) {
   const FitProblem problem = describe_problem(family, std::vector{experiment.capture}, experiment.options);
   const Eigen::Vector4d attitude = usual_attitude(family, fitted);
+  const auto part_of = [&](const models::FamilyCoordinate& c) {
+    return std::ranges::find_if(family.attitude,
+                                [&](const std::string& name) { return c.name == name + "(0)"; });
+  };
+  const auto usual = [&](const models::FamilyCoordinate& c) {
+    const auto part = part_of(c);
+    if (part == family.attitude.end() || attitude.isZero()) return usual_value(fitted, c);
+    return std::clamp(attitude[part - family.attitude.begin()], c.lower, c.upper);
+  };
   for (const models::FamilyCoordinate& c : problem.own) {
-    const auto part = std::ranges::find_if(family.attitude,
-                                           [&](const std::string& name) { return c.name == name + "(0)"; });
-    const bool is_attitude = part != family.attitude.end();
-    const double usual = is_attitude && !attitude.isZero()
-                             ? std::clamp(attitude[part - family.attitude.begin()], c.lower, c.upper)
-                             : usual_value(fitted, c);
-    experiment.coordinates.push_back(release_coordinate(usual, c, options, is_attitude ? 0.0 : kMargin));
+    const double margin = part_of(c) == family.attitude.end() ? kMargin : 0.0;
+    experiment.coordinates.push_back(release_coordinate(usual(c), c, options, margin));
   }
   experiment.own_count = problem.own.size();
   for (const std::string& name : problem.known) {
     const models::FamilyCoordinate& c = family.coordinates[*models::position(family.coordinates, name)];
-    experiment.coordinates.push_back(release_coordinate(usual_value(fitted, c), c, options, 0.0));
+    experiment.coordinates.push_back(release_coordinate(usual(c), c, options, 0.0));
   }
   std::vector<std::string> names;
   for (const ReleaseCoordinate& c : experiment.coordinates) names.push_back(c.name);

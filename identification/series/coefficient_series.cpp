@@ -254,6 +254,16 @@ void add_series_warnings(const FitOptions& options, CoefficientSeries& series) {
                     "independent frames",
                     series.correlation_factor));
   }
+  // The errors of the fit within are others.
+  constexpr double kTolerable = 0.1;
+  for (const SeriesCoefficient& c : series.coefficients) {
+    if (c.integration_shift.value_or(0.0) <= kTolerable || series.warnings.has(WarningKind::steps)) continue;
+    series.warnings.add(
+        WarningKind::steps,
+        fmt::format("the steps of the integration are too long: with half of them a value of {} "
+                    "would move by {:.2g} of its standard errors; a shorter `step` is advised",
+                    c.name, *c.integration_shift));
+  }
   for (const SeriesCoefficient& c : series.coefficients) {
     const auto nothing = std::ranges::count(c.basis, InstantBasis::nothing);
     if (nothing > 0) {

@@ -84,6 +84,9 @@ struct SeriesCoefficient {
   Eigen::VectorXd standard_errors = {};  ///< NaN at a bound and where nothing determines the value
   Eigen::VectorXd shares = {};           ///< diagonal of the resolution: 1 is frames alone
   std::vector<InstantBasis> basis = {};
+  /// The most that steps of half the length would move a value by, in its standard errors. Empty: steps have no length,
+  /// or no value an error.
+  std::optional<double> integration_shift = {};
 };
 
 /// One smoothness that was tried.

@@ -147,8 +147,8 @@ SeriesFits::Judgement SeriesFits::judge(const FitResult& result, double factor) 
   const Eigen::MatrixXd of_all = half_box.asDiagonal() * result.information * half_box.asDiagonal();
   const Eigen::MatrixXd whole = of_all(free, free);
   const Eigen::MatrixXd smooth = size.asDiagonal() * differences(free, free) * size.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> factorised(whole), all_factorised(of_all);
-  if (factorised.info() != Eigen::Success || all_factorised.info() != Eigen::Success) return judgement;
+  const Eigen::LLT<Eigen::MatrixXd> factorised(whole);
+  if (factorised.info() != Eigen::Success) return judgement;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(whole.rows(), whole.cols());
   const Eigen::MatrixXd inverse = factorised.solve(one);
   judgement.resolution = inverse * (whole - smooth);
@@ -162,9 +162,18 @@ SeriesFits::Judgement SeriesFits::judge(const FitResult& result, double factor) 
       std::max(0.0, total - penalty) / left * inverse.diagonal().cwiseProduct(size.cwiseAbs2());
   const auto series = static_cast<double>(spans_.knots.coefficients.size());
   const double straight = static_cast<double>(count) - series * static_cast<double>(rows_.rows());
-  // Of all values: a smoothness at which more of them lie at bounds would win by their number alone.
-  const double log_determinant =
-      2.0 * Eigen::MatrixXd(all_factorised.matrixL()).diagonal().array().log().sum();
+  // Of what is free and of all values of the series: a smoothness at which more of them lie at bounds would win by
+  // their number alone.
+  std::vector<int> compared = free;
+  for (std::size_t c = 0; c < spans_.knots.coefficients.size(); ++c) {
+    const std::vector<int> at = places(result, c);
+    compared.insert(compared.end(), at.begin(), at.end());
+  }
+  std::ranges::sort(compared);
+  compared.erase(std::ranges::unique(compared).begin(), compared.end());
+  const Eigen::LLT<Eigen::MatrixXd> of_compared(of_all(compared, compared));
+  if (of_compared.info() != Eigen::Success) return judgement;
+  const double log_determinant = 2.0 * Eigen::MatrixXd(of_compared.matrixL()).diagonal().array().log().sum();
   judgement.criterion = (residual_count - own - straight) * std::log(total) + log_determinant +
                         2.0 * static_cast<double>(rows_.rows()) * free_scales() * std::log(factor);
   return judgement;
@@ -196,6 +205,11 @@ SeriesCoefficient SeriesFits::describe(const FitResult& result, std::size_t c, d
       continue;
     }
     series.standard_errors[k] = error;
+    const Coefficient& value = result.coefficients[static_cast<std::size_t>(at[static_cast<std::size_t>(k)])];
+    if (value.integration_shift) {
+      const double shift = std::abs(*value.integration_shift) / error;
+      series.integration_shift = std::max(shift, series.integration_shift.value_or(0.0));
+    }
     series.shares[k] = judgement.resolution(place, place);
     series.basis.push_back(series.shares[k] < 0.5 ? InstantBasis::neighbours : InstantBasis::frames);
   }

@@ -103,9 +103,10 @@ std::string series_text(const CoefficientSeries& series) {
     fmt::format_to(out, "rms of {}: {:.4g}{}, with constant coefficients {:.4g}\n", r.output, r.rms,
                    unit_suffix(r.unit), series.constant.residuals[k].rms);
   }
-  if (series.fit.integration_shift) {
+  const auto moved = std::ranges::max_element(series.coefficients, {}, &SeriesCoefficient::integration_shift);
+  if (moved->integration_shift) {
     fmt::format_to(out, "steps of half the length would move no value by more than {:.2g} standard errors\n",
-                   *series.fit.integration_shift);
+                   *moved->integration_shift);
   }
   for (const Warning& warning : series.warnings) fmt::format_to(out, "warning: {}\n", warning.sentence);
   return text;

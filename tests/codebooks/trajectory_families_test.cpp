@@ -129,6 +129,10 @@ TEST_CASE("what a codebook leaves to its model's defaults, the family beside it 
   const double disc = 8.0 / 3.0 * 998.2 * std::pow(4.714e-4 / std::numbers::pi, 1.5);
   CHECK_NOTHROW(mixed({{"fluid_density", 998.2}, {"m_a", disc}, {"v(0)", 0.0}, {"x(0)", 3.0}}, {}));
   CHECK_NOTHROW(mixed({}, {{"x(0)", {-1.0, 1.0}}}));
+  // Without a drag at small Reynolds numbers no motion depends on the viscosity.
+  CHECK_NOTHROW(mixed({{"nu", 1.19e-6}}, {}));
+  CHECK_NOTHROW(mixed({}, {{"nu", {1e-6, 2e-6}}}));
+  CHECK_THROWS_WITH(mixed({{"Re_drag", 20.0}}, {}), Contains("holds \"Re_drag\" at 20; 0 was expected"));
 }
 
 TEST_CASE("in a gap between the pieces of a codebook the family answers") {

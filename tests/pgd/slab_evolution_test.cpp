@@ -332,7 +332,8 @@ TEST_CASE("states that start at a coordinate under a transform start where they 
     many.max_cells = 64;
     const SlabResult cells = solve_by_slabs(problem, many);
     CAPTURE(cells.message, cells.cells);
-    if (cells.status == samara::Termination::converged) CHECK(start_error(cells, lower, upper) <= 1e-4);
+    REQUIRE(cells.status == samara::Termination::converged);
+    CHECK(start_error(cells, lower, upper) <= 1e-4);
   }
 }
 
