@@ -100,7 +100,7 @@ std::vector<Capture> spans(const Capture& capture, double length, double stride,
     while (begin + count < times.size() && times[begin + count] <= times[begin] + length + rounding) ++count;
     if (!is_seen(capture, begin, count, length, interval, quantities)) continue;
     Capture part = capture;
-    part.motion = capture.motion.empty() ? capture.id : capture.motion;
+    part.motion = capture.whole();
     part.id = span_id(part.motion, times[begin]);
     part.times = times.segment(begin, count).array() - times[begin];
     part.shift = capture.shift + times[begin];
@@ -130,17 +130,17 @@ Capture frames_of_part(const Capture& capture, Eigen::Index begin, Eigen::Index 
 Capture known_at(const Capture& capture, double seconds) {
   const Eigen::Index count = frames_within(capture, seconds);
   if (count == 0 || !capture.before_cleaning) return frames_of_part(capture, 0, count);
-  // In the clock of what cleaning began with; a frame grid moves times by less than half an interval.
-  const Capture& before = capture.before_cleaning->capture;
-  const double half = 0.5 * median_interval(before.times);
-  const double begin = capture.times[0] + capture.shift, end = capture.times[count - 1] + capture.shift;
-  const auto until = [](const Eigen::VectorXd& times, double border) {
-    return std::upper_bound(times.begin(), times.end(), border) - times.begin();
+  // By numbers of frames: a frame grid may move the clock by more than an interval.
+  const BeforeCleaning& before = *capture.before_cleaning;
+  const Eigen::VectorXd& clock = before.times;
+  const double rounding = 1e-3 * (clock[clock.size() - 1] - clock[0]) / static_cast<double>(clock.size());
+  const auto number_at = [&](double time) {
+    return std::lower_bound(clock.begin(), clock.end(), time + capture.shift - rounding) - clock.begin();
   };
-  const Capture cleaned =
-      capture.before_cleaning->clean(frames_of_part(before, 0, until(before.times, end + half)));
-  const Eigen::Index first = until(cleaned.times, begin - half);
-  if (first == cleaned.times.size()) {
+  const Eigen::Index first = number_at(capture.times[0]), last = number_at(capture.times[count - 1]);
+  const Eigen::Index seen = std::min(last + 1, before.capture.times.size());
+  const Capture cleaned = before.clean(frames_of_part(before.capture, 0, seen));
+  if (first >= cleaned.times.size()) {
     throw ArgumentError(
         fmt::format("cleaning without later frames leaves nothing of the first {} s of capture \"{}\"",
                     seconds, capture.id));

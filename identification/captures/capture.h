@@ -41,6 +41,8 @@ struct Capture {
   std::shared_ptr<const BeforeCleaning> before_cleaning = {};  ///< null: nothing was cleaned
 
   int frame_count() const { return static_cast<int>(times.size()); }
+  /// The id of the capture of which it is all, or a part.
+  const std::string& whole() const { return motion.empty() ? id : motion; }
   bool has(const std::string& quantity) const;
   /// @throws ArgumentError naming the capture and the nearest quantity.
   const Channel& channel(const std::string& quantity) const;
@@ -53,10 +55,11 @@ struct Capture {
 /// @throws as refuse() if a channel has not one value for each frame
 void check_sizes(const Capture& capture);
 
-/// What cleaning began with.
+/// What cleaning began with, and the clock that it made.
 struct BeforeCleaning {
   Capture capture;
-  std::function<Capture(Capture)> clean;
+  std::function<Capture(Capture)> clean;  ///< leaves frames out at the end alone
+  Eigen::VectorXd times;                  ///< s, of the frames after cleaning
 };
 
 /// What was known of a capture at a moment: its frames at most `seconds` after the first, as frames_within()

@@ -215,9 +215,10 @@ std::vector<Capture> read_all(Sidecar sidecar) {
   if (sidecar.clean.any()) {
     const auto clean = [sidecar](Capture capture) { return cleaned(std::move(capture), sidecar); };
     for (Capture& capture : captures) {
-      auto before = std::make_shared<const BeforeCleaning>(BeforeCleaning{capture, clean});
+      Capture before = capture;
       capture = clean(std::move(capture));
-      capture.before_cleaning = std::move(before);
+      capture.before_cleaning =
+          std::make_shared<const BeforeCleaning>(BeforeCleaning{std::move(before), clean, capture.times});
     }
   }
   if (sidecar.clean.longest_gap) captures = pieces_of(captures, sidecar);

@@ -24,6 +24,7 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 struct Group {
   std::vector<std::string> cells;  ///< of the columns of group_by
   Rows rows;
+  Rows left_out;  ///< by `where`, after the first of its rows
 };
 
 std::string file_stem(const io::DelimitedTable& table) {
@@ -72,11 +73,19 @@ std::vector<Group> group_rows(const io::DelimitedTable& table, const Sidecar& si
   }
   std::vector<Group> groups;
   std::map<std::vector<std::string>, std::size_t> place;
-  for (const std::size_t row : selected_rows(table, sidecar)) {
+  const Rows selected = selected_rows(table, sidecar);
+  auto next = selected.begin();
+  for (std::size_t row = 0; row < table.rows(); ++row) {
     std::vector<std::string> cells;
     for (const auto& column : columns) cells.push_back(column[row]);
+    if (next == selected.end() || *next != row) {
+      if (const auto group = place.find(cells); group != place.end())
+        groups[group->second].left_out.push_back(row);
+      continue;
+    }
+    ++next;
     const auto [found, is_new] = place.try_emplace(cells, groups.size());
-    if (is_new) groups.push_back({cells, {}});
+    if (is_new) groups.push_back({cells, {}, {}});
     groups[found->second].rows.push_back(row);
   }
   if (groups.empty())
@@ -97,6 +106,18 @@ Eigen::VectorXd times_of(const Columns& columns, const Sidecar& sidecar, const R
   if (columns.time) return picked(columns.time->values, rows);
   const auto count = static_cast<Eigen::Index>(rows.size());
   return Eigen::ArrayXd::LinSpaced(count, 0.0, static_cast<double>(count - 1)) / *sidecar.frame_rate;
+}
+
+/// Without a column of times rows that are not there take no time. Whether they were frames of the motion, or those
+/// of another camera between its own, only the reader knows.
+void note_frames_left_out(Capture& capture, const Group& group) {
+  const auto between =
+      std::ranges::count_if(group.left_out, [&](std::size_t row) { return row < group.rows.back(); });
+  if (between == 0) return;
+  capture.notes.push_back(
+      fmt::format("{} rows that `where` leaves out lie between its frames, which are numbered without them; "
+                  "if those were frames of this motion, a column of times is needed",
+                  between));
 }
 
 /// The rows between `from` and `until`.
@@ -238,6 +259,7 @@ Capture read_group(const io::DelimitedTable& table, const Columns& columns, cons
     capture.labels[sidecar.group_by[k]] = with_decimal_point(group.cells[k], table.decimal());
   Rows rows = group.rows;
   capture.times = times_of(columns, sidecar, rows);
+  if (!columns.time) note_frames_left_out(capture, group);
   keep_interval(rows, capture.times, sidecar);
   if (const std::size_t dropped = drop_repeated(rows, capture.times, sidecar); dropped > 0)
     capture.notes.push_back(fmt::format("{} frames dropped whose time is that of the frame before", dropped));

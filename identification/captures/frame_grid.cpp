@@ -162,26 +162,63 @@ std::optional<Eigen::RowVectorXd> usual_step(const Eigen::MatrixXd& steps, const
 
 /// A frame that only the clock misses is none: where the body moved on evenly as by one interval, later frames came
 /// late. Of longer gaps nothing is told, since a path may bend within them.
-std::vector<long> without_late_frames(const Capture& capture, std::vector<long> places) {
+/// @returns the frames from which on places were moved
+std::vector<Index> close_late_places(const Capture& capture, std::vector<long>& places) {
+  std::vector<Index> late_from;
   const Eigen::MatrixXd steps = steps_of(capture);
-  if (steps.cols() == 0) return places;
+  if (steps.cols() == 0) return late_from;
   for (Index k = 0; k < steps.rows(); ++k) {
     const auto next = static_cast<std::size_t>(k + 1);
     if (places[next] - places[next - 1] != 2) continue;
     const std::optional<Eigen::RowVectorXd> usual = usual_step(steps, places, k);
     if (!usual || !is_alike(steps.row(k), *usual)) continue;
     for (std::size_t later = next; later < places.size(); ++later) --places[later];
+    late_from.push_back(k + 1);
   }
-  return places;
+  return late_from;
+}
+
+/// Slope of times over places, within the runs of frames between jumps.
+double period_of_runs(const Eigen::VectorXd& times, const Eigen::VectorXd& place,
+                      const std::vector<Index>& jumps) {
+  Eigen::VectorXd centred = place;
+  Index first = 0;
+  for (std::size_t run = 0; run <= jumps.size(); ++run) {
+    const Index end = run < jumps.size() ? jumps[run] : place.size();
+    centred.segment(first, end - first).array() -= place.segment(first, end - first).mean();
+    first = end;
+  }
+  return centred.dot(times) / centred.squaredNorm();
+}
+
+/// Jumps after which frames stay late by a whole period. Frames that catch up tell the period together with those
+/// before.
+std::vector<Index> lasting(const Eigen::VectorXd& times, const Eigen::VectorXd& place,
+                           const std::vector<Index>& jumps) {
+  constexpr double kSlip = 0.1;
+  std::vector<Index> kept;
+  if (jumps.empty()) return kept;
+  const double period = period_of_runs(times, place, jumps);
+  const Eigen::VectorXd delay = times - period * place;
+  Index before = 0;
+  for (std::size_t k = 0; k < jumps.size(); ++k) {
+    const Index begin = jumps[k], end = k + 1 < jumps.size() ? jumps[k + 1] : place.size();
+    const double late =
+        delay.segment(begin, end - begin).mean() - delay.segment(before, begin - before).mean();
+    if (std::abs(late - period) <= kSlip * period) kept.push_back(begin);
+    before = begin;
+  }
+  return kept;
 }
 
 /// @param known the period, if it is not to be fitted
-Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places, std::optional<double> known) {
+/// @param late_from frames from which on places were moved
+Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places, std::optional<double> known,
+                 const std::vector<Index>& late_from = {}) {
   Eigen::VectorXd place(times.size());
   for (Index k = 0; k < place.size(); ++k)
     place[k] = static_cast<double>(places[static_cast<std::size_t>(k)]);
-  const Eigen::VectorXd centred = place.array() - place.mean();
-  const double period = known.value_or(centred.dot(times) / centred.squaredNorm());
+  const double period = known ? *known : period_of_runs(times, place, lasting(times, place, late_from));
   return {period, times.mean() - period * place.mean()};
 }
 
@@ -237,8 +274,9 @@ FrameGrid on_frame_grid(const Capture& capture, std::optional<double> known_peri
   Grid grid = known_period ? grid_of(times, *known_period) : resonant_grid(times);
   std::vector<long> places = increasing_places(times, grid);
   grid = fitted_grid(times, places, known_period);
-  places = without_late_frames(capture, increasing_places(times, grid));
-  grid = fitted_grid(times, places, known_period);
+  places = increasing_places(times, grid);
+  const std::vector<Index> late_from = close_late_places(capture, places);
+  grid = fitted_grid(times, places, known_period, late_from);
 
   FrameGrid result{.capture = capture, .period = grid.period};
   Eigen::VectorXd shifts(times.size());

@@ -20,7 +20,9 @@ struct FrameGrid {
 /// The period is the one for which exp(2 pi i t / period) adds up best over the frames, within 3 % of the median
 /// interval; each frame then takes the place that is nearest, such that places increase (isotonic regression), and
 /// the grid is fitted to them by least squares. A single place that the clock leaves free is closed where the body
-/// (x, y, z in m) moved on as in one interval, and evenly before and after: later frames came late. Longer gaps stay.
+/// (x, y, z in m) moved on as in one interval, and evenly before and after: later frames came late. Where
+/// they stay late by a whole period, the clock jumped, and the period is that of the frames on each side of the jump.
+/// Longer gaps stay.
 ///
 /// Times of n frames that are rounded to r leave the fitted period an error of about r n^-1.5. Of few frames that is
 /// much: all speeds and, twice as much, all accelerations are off by its share. Whoever knows the camera's period says

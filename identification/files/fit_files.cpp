@@ -142,8 +142,10 @@ FitReport series_of(const FitRequest& request, const FitSource& source, const st
   FitReport report;
   report.series = of_file(request.config,
                           [&] { return fit_series(source.model, captures, source.options, *source.series); });
+  report.series->warnings.add_all(source.warnings);
   teller.tell(report.series->warnings);
   report.fit = report.series->fit;
+  report.fit.warnings.add_all(source.warnings);
   report.is_usable = report.series->status == Termination::converged;
   report.message = report.series->message;
   return report;
@@ -360,6 +362,7 @@ FitReport fit_files(const FitRequest& request) {
     const auto owner = std::make_shared<Kept>(Kept{kept, objective});
     report.objective = {owner, objective.get()};
   }
+  report.fit.warnings.add_all(source.warnings);
   report.fit.warnings.add_all(WarningKind::captures, free_body.upside_down);
   report.fit.warnings.add_all(early_starts);
   teller.tell(report.fit.warnings);

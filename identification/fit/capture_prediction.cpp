@@ -190,9 +190,7 @@ void carry_on(const models::TrajectoryFamily& family, const Capture& capture,
 CapturePrediction predict_capture(const models::TrajectoryFamily& family, const Capture& capture,
                                   const PredictedOutputs& predicted, const FitOptions& all_options,
                                   const PredictionOptions& prediction, bool asks_model) {
-  CapturePrediction result{.file = capture.file,
-                           .motion = capture.motion.empty() ? capture.id : capture.motion,
-                           .part = capture.id};
+  CapturePrediction result{.file = capture.file, .motion = capture.whole(), .part = capture.id};
   if (capture.times.size() == 0) {
     result.lack = "it has no frames";
     return result;

@@ -258,12 +258,12 @@ void check_views(const models::TrajectoryFamily& family, std::span<const Capture
         "two level components; lengths x, y and z, and no other, were expected to be predicted");
 }
 
-void refuse_fitted(const std::string& id, const std::string& file, std::span<const Capture> left_out) {
+void refuse_fitted(const std::string& whole, const std::string& file, std::span<const Capture> left_out) {
   for (const Capture& capture : left_out) {
-    if (capture.id != id || capture.file.empty() || !is_same_file(capture.file, file)) continue;
+    if (capture.whole() != whole || capture.file.empty() || !is_same_file(capture.file, file)) continue;
     throw InputError(capture.file, fmt::format("capture \"{}\" is fitted as well as left out; captures that "
                                                "the fit does not see were expected",
-                                               id));
+                                               whole));
   }
 }
 

@@ -72,7 +72,9 @@ struct FollowOptions {
 
   /// Of states that no frame shows. Those that are neither here nor fixed, and not measured, stay at the model's
   /// default initial value. An attitude (its four states) that is neither measured nor fixed is not known at all, and
-  /// so is an angle (in rad) that may start anywhere on its circle.
+  /// so is an angle (in rad) that may start anywhere on its circle. All of this is of the first frame: where a
+  /// motion that was lost is looked for again, states that frames show are left to them, and others may be as far
+  /// from there as they have been. The spins of a round body that are held stay so.
   std::map<std::string, FollowedStart> start = {};
   /// Frames from which the start is found; the motion is followed from the last of them on.
   int start_frames = 8;

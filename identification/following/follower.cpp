@@ -120,7 +120,7 @@ struct Follower::Impl {
 
   void start() {
     if (filter.interval() == 0.0) filter.set_interval(frame_interval());
-    hypotheses = find_starts(model, first_frames, filter);
+    hypotheses = find_starts(model, first_frames, filter, been);
     const double lead = filter.lead();
     std::erase_if(hypotheses, [&](Hypothesis& hypothesis) {
       if (model.options().remember) hypothesis.records = start_records(model, hypothesis, first_frames, lead);
@@ -249,6 +249,7 @@ struct Follower::Impl {
         outliers_in_row = 0;
       }
     }
+    if (!hypotheses.empty()) been.add(hypotheses.front().point);
     result.hypotheses = static_cast<int>(hypotheses.size());
     return result;
   }
@@ -266,6 +267,7 @@ struct Follower::Impl {
   std::vector<SeenFrame> first_frames;  ///< with something seen, while a start is looked for
   SeenFrame frame;                      ///< the last one
   std::vector<Hypothesis> hypotheses;
+  StateRanges been;
   Eigen::VectorXd merge_error;
   double time = -1.0;
   int outliers_in_row = 0;

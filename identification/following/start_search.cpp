@@ -44,32 +44,51 @@ Eigen::Vector4d first_attitude(std::span<const SeenFrame> frames) {
   return {1.0, 0.0, 0.0, 0.0};
 }
 
-StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frames,
-                    const MeasuredStates& seen) {
+/// How far from a value a state has been.
+double farthest(const StateRanges& been, Eigen::Index state, double from) {
+  if (been.lowest.size() == 0) return 0.0;
+  return std::max(std::abs(been.lowest[state] - from), std::abs(been.highest[state] - from));
+}
+
+/// What turns a round body about its axis cannot be seen: where it is held, it stays so.
+bool is_unseen_spin(const FollowOptions& options, const models::StateInfo& state) {
+  return options.round_body && (state.unit == "rad/s" || state.unit == "1/s");
+}
+
+StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frames, const MeasuredStates& seen,
+                    const StateRanges& been) {
   const FollowOptions& options = model.options();
   const auto& states = model.equations().model().info().states;
   StartPrior prior{.point = Eigen::VectorXd::Zero(model.size()),
                    .deviations = Eigen::VectorXd::Zero(model.errors()),
                    .root = {},
                    .spread = Eigen::VectorXi::Zero(model.errors())};
-  bool attitude_fixed = false;
+  bool attitude_fixed = false, attitude_moved = false;
   for (Eigen::Index i = 0; i < model.states(); ++i) {
     const models::StateInfo& state = states[static_cast<std::size_t>(i)];
     const auto fixed = options.fixed.find(state.name + "(0)");
     const auto start = options.start.find(state.name);
     const bool of_attitude = model.attitude() && i >= *model.attitude() && i < *model.attitude() + 4;
-    prior.point[i] = state.default_initial;
-    if (fixed != options.fixed.end()) {
-      prior.point[i] = fixed->second;
-      attitude_fixed = attitude_fixed || of_attitude;
+    const bool is_fixed = fixed != options.fixed.end();
+    const double known = is_fixed                       ? fixed->second
+                         : start != options.start.end() ? start->second.mean
+                                                        : state.default_initial;
+    const double moved = farthest(been, i, known);
+    prior.point[i] = known;
+    if (of_attitude) {
+      constexpr double kRounding = 1e-9;  // a quaternion is normalised at each step
+      attitude_fixed = attitude_fixed || is_fixed;
+      attitude_moved = attitude_moved || moved > kRounding;
       continue;
     }
-    if (of_attitude) continue;
+    if (is_fixed && (moved == 0.0 || is_unseen_spin(options, state))) continue;
     const Eigen::Index error = model.error_of_state(i);
-    if (start != options.start.end()) {
-      prior.point[i] = start->second.mean;
-      prior.deviations[error] = start->second.deviation;
-    } else if (!std::isnan(seen.values[i])) {
+    const bool is_shown = !std::isnan(seen.values[i]);
+    const bool is_prior = start != options.start.end() && (moved == 0.0 || !is_shown);
+    if (is_prior || !is_shown) {
+      const double deviation = is_prior && !is_fixed ? start->second.deviation : 0.0;
+      prior.deviations[error] = std::hypot(deviation, moved);
+    } else {
       prior.point[i] = seen.values[i];
       const double noise = options.noise.at(state.name);
       double lowest = seen.values[i], highest = lowest;
@@ -86,7 +105,7 @@ StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frame
     const bool is_angle = state.unit == "rad" && std::isnan(seen.values[i]);
     prior.spread[error] = is_angle && prior.deviations[error] > kAnyAngle ? 1 : 0;
   }
-  if (const auto at = model.attitude(); at && !attitude_fixed) {
+  if (const auto at = model.attitude(); at && (!attitude_fixed || attitude_moved)) {
     const bool is_seen = model.attitude_is_measured();
     prior.point.segment<4>(*at) = is_seen ? first_attitude(frames) : Eigen::Vector4d(1.0, 0.0, 0.0, 0.0);
     prior.deviations.segment<3>(*at).setConstant(
@@ -357,10 +376,16 @@ bool are_same(const FollowedModel& model, const Hypothesis& a, const Hypothesis&
 
 }  // namespace
 
+void StateRanges::add(const Eigen::VectorXd& point) {
+  if (lowest.size() == 0) lowest = highest = point;
+  lowest = lowest.cwiseMin(point);
+  highest = highest.cwiseMax(point);
+}
+
 std::vector<Hypothesis> find_starts(const FollowedModel& model, std::span<const SeenFrame> frames,
-                                    HypothesisFilter& filter) {
+                                    HypothesisFilter& filter, const StateRanges& been) {
   const MeasuredStates seen = measured_states(model, frames);
-  const StartPrior prior = prior_of(model, frames, seen);
+  const StartPrior prior = prior_of(model, frames, seen, been);
   Descent descent(model, frames, prior, filter);
   std::vector<Hypothesis> starts;
   for (const Eigen::VectorXd& mean : beginnings(model, prior)) {

@@ -78,6 +78,8 @@ std::string petab_config(const PetabProblem& problem, const PetabSettings& setti
   if (!by_factors.empty()) text += fmt::format("log_scale = {}\n", toml_list(by_factors));
   if (!levels.empty()) text += fmt::format("noise = {{ levels = {{ {} }} }}\n", levels);
   text += "loss.kind = \"none\"\n";
+  if (settings.attitude_noise)
+    text += fmt::format("attitude_scale = {}\n", toml_number(*settings.attitude_noise));
   for (const auto& [heading, lines] : {std::pair<const char*, std::string&>{"loss.scale", noise},
                                        {"fixed", held},
                                        {"known", known},

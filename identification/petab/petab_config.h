@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "samara/identification/petab/petab_problem.h"
@@ -15,6 +16,8 @@ struct PetabSettings {
   std::map<std::string, models::Interval> known = {};
   std::map<std::string, double> noise = {};  ///< of outputs; where it is estimated, where that begins
   std::map<std::string, std::string> estimated_noise = {};  ///< output -> parameter
+  std::optional<double> attitude_noise =
+      {};  ///< rad, of the turn about each axis, where an attitude is observed
 };
 
 /// TOML.

@@ -11,6 +11,7 @@
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
+#include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/captures/number_cells.h"
 #include "samara/identification/petab/petab_cells.h"
 #include "samara/identification/petab/petab_config.h"
@@ -34,6 +35,7 @@ class PetabTables {
     problem_.parameter_cells = std::move(parameters.cells);
     for (const auto& path : problem_.file.observables) read_observables(path);
     for (const auto& path : problem_.file.measurements) read_measurements(path);
+    set_attitude_noise();
     for (const auto& path : problem_.file.conditions) read_conditions(path);
     for (const auto& [condition, captures] : captures_of_) {
       if (!conditions_.contains(condition))
@@ -117,6 +119,24 @@ class PetabTables {
                       in_quotes(parameter->id), in_quotes(parameter->prior)));
     if (parameter->estimated) settings_.estimated_noise[output] = parameter->id;
     parameter->noise_of = output;
+  }
+
+  /// An attitude is compared by its turn, which is twice as far as its four numbers go: they have one noise.
+  void set_attitude_noise() {
+    const auto has_level = [&](const std::string& part) { return settings_.noise.contains(part); };
+    if (!std::ranges::all_of(kQuaternionChannels, has_level)) return;
+    const std::string& first = kQuaternionChannels.front();
+    const double level = settings_.noise.at(first);
+    for (const std::string& part : kQuaternionChannels) {
+      if (settings_.noise.at(part) == level) continue;
+      const std::string& id = problem_.observables.at(part);
+      throw InputError(problem_.file.observables.front().string(), noise_formula_.at(id).line,
+                       fmt::format("the noise of {} is {}, that of {} {}; one level of the four numbers of "
+                                   "an attitude was expected",
+                                   in_quotes(id), settings_.noise.at(part),
+                                   in_quotes(problem_.observables.at(first)), level));
+    }
+    settings_.attitude_noise = 2.0 * level;
   }
 
   void read_measurements(const std::filesystem::path& path) {

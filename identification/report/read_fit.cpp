@@ -91,6 +91,7 @@ Coefficient coefficient_of(const ParsedJson& object) {
   c.upper = number_of(object, "upper").value_or(c.value);
   c.standard_error = number_of(object, "standard_error");
   c.naive_standard_error = number_of(object, "naive_standard_error");
+  c.effective_clusters = number_of(object, "effective_clusters");
   c.at_bound = object.value("at_bound", false);
   c.determined = object.value("determined", true);
   return c;

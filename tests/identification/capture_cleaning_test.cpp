@@ -203,14 +203,16 @@ int dropped_of(const std::function<Eigen::Vector2d(double)>& path, int count, in
 
 }  // namespace
 
-TEST_CASE("all frames after the first may be late") {
+TEST_CASE("all frames after the first may be late, and the period is that of the frames in time") {
   for (const Index late_from : {1, 2, 20}) {
     Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(60, 0.0, 0.59);
     const Eigen::VectorXd x = 3.0 * times;
     times.tail(60 - late_from).array() += 0.01;
     CAPTURE(late_from);
     // After the second frame one step is too few to go by.
-    CHECK(on_frame_grid(capture_of(times, {{"x", "m", x}})).dropped_frames == (late_from == 2 ? 1 : 0));
+    const FrameGrid grid = on_frame_grid(capture_of(times, {{"x", "m", x}}));
+    CHECK(grid.dropped_frames == (late_from == 2 ? 1 : 0));
+    CHECK(grid.period == Approx(0.01).epsilon(1e-3));
   }
 }
 

@@ -1,6 +1,7 @@
 #include "samara/identification/captures/capture.h"
 
 #include <cmath>
+#include <memory>
 
 #include <catch2/catch.hpp>
 
@@ -31,6 +32,27 @@ TEST_CASE("a span holds the frames up to its end, the one on the border included
   CHECK(first(capture, 0.39).frame_count() == 4);
   CHECK(first(capture, 100.0).frame_count() == 11);
   CHECK(capture.frame_count() == 11);
+}
+
+TEST_CASE("what was known of a cleaned capture are as many frames, however far cleaning moved the clock") {
+  const auto clean = [](Capture capture) {
+    for (int k = 1; k < capture.frame_count(); ++k) capture.times[k] = capture.times[0] + 0.1 * k;
+    return capture;
+  };
+  Capture late_from_five = ten_frames_a_second(), late_first = late_from_five;
+  late_from_five.times.tail(6).array() += 0.1;
+  late_first.times[0] += 0.07;
+  for (const Capture& raw : {late_from_five, late_first}) {
+    Capture capture = clean(raw);
+    capture.before_cleaning =
+        std::make_shared<const BeforeCleaning>(BeforeCleaning{raw, clean, capture.times});
+    const Capture known = known_at(capture, 0.7);
+    REQUIRE(known.frame_count() == 8);
+    CHECK(known.times.isApprox(capture.times.head(8)));
+    const Capture later = spans(capture, 0.6, 0.3).at(1);
+    const Eigen::VectorXd seen = capture.channel("x").values.segment(3, 4);
+    CHECK(known_at(later, 0.3).channel("x").values == seen);
+  }
 }
 
 TEST_CASE("a span counts from the first frame, wherever that is") {

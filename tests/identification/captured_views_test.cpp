@@ -247,7 +247,7 @@ TEST_CASE("later frames change no bit of a forecast with views, also where clean
   };
   const auto cleaned = [&](const Capture& raw) {
     Capture capture = means_of_three(raw);
-    capture.before_cleaning = std::make_shared<BeforeCleaning>(raw, means_of_three);
+    capture.before_cleaning = std::make_shared<BeforeCleaning>(raw, means_of_three, raw.times);
     return capture;
   };
   const Capture raw = glide(100);

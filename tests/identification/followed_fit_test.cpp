@@ -3,10 +3,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "files.h"
 #include "samara/base/streams.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/following/followed_motion.h"
 #include "samara/identification/problem/known_so_far.h"
+#include "samara/identification/report/fit_report.h"
+#include "samara/identification/report/read_fit.h"
 #include "samara/models/equations/equation_model.h"
 #include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
@@ -134,6 +137,14 @@ TEST_CASE("errors of clusters count where they differ by more than chance, and a
   CHECK((clustered.widened - widening * clustered.errors).norm() < 1e-5 * clustered.widened.norm());
   // Correlations are those of frames.
   CHECK_THAT(clustered.correlation(0, 1), WithinRel(0.2, 1e-12));
+}
+
+TEST_CASE("a fit that was read tells errors as wide as the one that was written") {
+  FitResult written = fit_of_clusters(10, 10.0);
+  for (Coefficient& c : written.coefficients) c.effective_clusters = 3.0;
+  const TemporaryDirectory files;
+  const FitResult read = read_fit(files.put("fit.json", fit_json(written)));
+  CHECK(known_so_far(read).widened.isApprox(known_so_far(written).widened, 1e-6));
 }
 
 TEST_CASE("a motion is followed with the correlation of frames and no farther than boxes go") {

@@ -173,6 +173,30 @@ TEST_CASE("a follower refuses frames that cannot be, and stays where it was") {
   CHECK_THROWS_WITH(Follower(falling_point(), options), Catch::Contains("noise of x"));
 }
 
+TEST_CASE("a start that is held is that of the first frame, not of the frames after a loss") {
+  constexpr double kSpeedNoise = 0.01;  // m/s
+  FollowOptions options;
+  options.noise = {{"x", kPlaceNoise}, {"v", kSpeedNoise}};
+  options.fixed = {{"g", 9.81}, {"v(0)", 0.5}};
+  options.model_noise.velocity = kVelocityNoise;
+  Follower follower(falling_point(), options);
+  Stream random(2, 0);
+  int lost = 0;
+  double v = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    const double t = 0.01 * k, spoilt = k >= 30 && k < 36 ? 5.0 : 0.0;
+    v = 0.5 - 9.81 * t;
+    const std::array values = {1.0 + 0.5 * t - 0.5 * 9.81 * t * t + spoilt + kPlaceNoise * random.normal(),
+                               v + spoilt + kSpeedNoise * random.normal()};
+    // Measured values come by name: v, then x.
+    if (follower.add(t, std::array{values[1], values[0]}).status == FollowStatus::lost) ++lost;
+  }
+  CHECK(lost == 1);
+  REQUIRE(follower.is_following());
+  // A frame's noise, which the frames before make less.
+  CHECK(follower.state().states[1] == Approx(v).margin(4.0 * kSpeedNoise));
+}
+
 TEST_CASE("a motion that breaks down before a frame counts as the least likely, not as sure") {
   // x = 1/(1 - t): there is none at 3 s.
   const auto model = models::equation_model({.name = "pole",

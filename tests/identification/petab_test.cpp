@@ -127,6 +127,39 @@ TEST_CASE(
         "observableId\tsimulationConditionId\ttime\tsimulation\nplace\tdrop\t0.5\t3\n");
 }
 
+TEST_CASE("the noise of an attitude in PEtab is that of its four numbers, and its turn has twice as much") {
+  const TemporaryDirectory files;
+  const std::string parts[] = {"qw", "qx", "qy", "qz"};
+  std::string measurements = "observableId\tsimulationConditionId\tmeasurement\ttime\n";
+  for (const double time : {0.0, 0.1, 0.2}) {
+    for (const std::string& part : parts)
+      measurements += fmt::format("{}_seen\tdrop\t{}\t{}\n", part, part == "qw" ? 1.0 : 0.0, time);
+  }
+  files.put("measurements.tsv", measurements);
+  files.put("conditions.tsv", "conditionId\tconditionName\ndrop\tA\n");
+  files.put("parameters.tsv",
+            "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\n"
+            "rate\tlin\t0.1\t5\t1\t1\n");
+  const auto problem_with = [&](const std::string& noise_of_qz) {
+    std::string observables = "observableId\tobservableFormula\tnoiseFormula\n";
+    for (const std::string& part : parts)
+      observables += fmt::format("{0}_seen\t{0}\t{1}\n", part, part == "qz" ? noise_of_qz : "0.01");
+    files.put("observables.tsv", observables);
+    const auto file = files.put("problem.yaml",
+                                "format_version: 1\nparameter_file: parameters.tsv\nproblems:\n"
+                                "- condition_files: [conditions.tsv]\n"
+                                "  measurement_files: [measurements.tsv]\n"
+                                "  observable_files: [observables.tsv]\n");
+    ConfigNames names{.coordinates = {{"rate", "1/s"}}, .outputs = {}};
+    for (const std::string& part : parts) names.outputs[part] = "1";
+    const std::string config = read_petab(file, names).config;
+    return parse_fit_config(config, "config", names);
+  };
+  CHECK(problem_with("0.01").loss.attitude_scale == Approx(0.02));
+  CHECK_THAT(error_of<samara::InputError>([&] { problem_with("0.02"); }),
+             Contains("observables.tsv:5") && Contains("one level of the four numbers of an attitude"));
+}
+
 TEST_CASE("conditions of a PEtab problem may have parameters of their own, and noise may be estimated") {
   DecayProblem problem;
   problem.parameters +=

@@ -314,6 +314,26 @@ TEST_CASE("captures that were fitted are not predicted") {
       Contains(refusal));
 }
 
+TEST_CASE("pieces of a motion that was fitted are not predicted") {
+  const BrakedFamily family;
+  std::vector<Capture> captures = braked(0, 3, 0.0);
+  for (Capture& capture : captures) capture.file = "drops.csv";
+  // Named as the pieces between long gaps are.
+  captures[2].motion = captures[2].id;
+  captures[2].id += "#1";
+  std::vector<Capture> left_out = {captures[2]};
+  const PredictionOptions prediction{.span = 0.6, .ahead = 0.5};
+  const FitResult fitted = fit(family, captures, plain());
+  const std::string refusal = "capture \"2\" is fitted as well as left out";
+  const auto predict = [&] { predict_left_out(family, fitted, left_out, plain(), prediction); };
+  const auto check = [&] { check_left_out(family, captures, left_out, plain(), prediction); };
+  for (const char* id : {"2#1", "2#2"}) {
+    left_out[0].id = id;
+    CHECK_THAT(error_of<samara::InputError>(predict), Contains(refusal));
+    CHECK_THAT(error_of<samara::InputError>(check), Contains(refusal));
+  }
+}
+
 TEST_CASE("the frame on the border of the span is seen, and not predicted") {
   const BrakedFamily family;
   const FitResult fitted = fit(family, braked(0, 3, 0.0), plain());

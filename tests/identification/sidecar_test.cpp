@@ -139,6 +139,25 @@ TEST_CASE("captures are chosen by labels, by their length, and end where they le
   CHECK_THROWS_WITH(ids("where = { jumps = \"< 2\" }\n"), Catch::Contains("has no column \"jumps\""));
 }
 
+TEST_CASE("rows that are left out between frames without times of their own are told of") {
+  const TemporaryDirectory files;
+  files.put("ball.csv", "seen,x[m]\n0,0\n1,1\n1,2\n0,3\n1,4\n0,5\n0,6\n1,7\n0,8\n");
+  files.put("timed.csv", "t[s],seen,x[m]\n0,1,1\n1,0,2\n2,1,3\n3,1,4\n");
+  files.put("cameras.csv", "cam,seen,x[m]\na,1,0\nb,0,0\na,1,1\nb,0,1\na,1,2\n");
+  const auto notes_of = [&](const std::string& table, const std::string& lines) {
+    return read_captures(files.put("a.toml", "file = \"" + table + "\"\n" + lines)).front().notes;
+  };
+  const std::string where = "where = { seen = [\"1\"] }\n", rate = "frame_rate = 10\n";
+  // Not those before the first and after the last.
+  const std::vector<std::string> notes = notes_of("ball.csv", where + rate);
+  REQUIRE(notes.size() == 1);
+  CHECK_THAT(notes[0], Catch::StartsWith("3 rows that `where` leaves out lie between its frames"));
+  CHECK(notes_of("ball.csv", "where = { seen = [\"0\", \"1\"] }\n" + rate).empty());
+  CHECK(notes_of("timed.csv", where).empty());
+  // Rows of other groups are not of its frames.
+  CHECK(notes_of("cameras.csv", where + rate + "group_by = [\"cam\"]\n").empty());
+}
+
 TEST_CASE("a frame period is a quantity like others, and one of another camera is refused") {
   const TemporaryDirectory files;
   std::string table = "t[s],z[m]\n";
