@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <optional>
+#include <string>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -120,7 +122,10 @@ void check_outputs(const SimulateArguments& arguments) {
   if (!arguments.output.empty() && ending != ".h5" && ending != ".csv" && !is_animation)
     throw ArgumentError(fmt::format("--output is {}, expected a name that ends in .csv, .h5, .glb or .usda",
                                     arguments.output));
-  if (ending == ".h5") check_file_output(arguments.output, {});
+  if (ending == ".h5") {
+    check_file_output(arguments.output, {});
+    check_replaced_hdf5(arguments.output, "cloud", kCloudFormat);
+  }
   if (ending != ".h5" && !is_animation && !arguments.cloud.keep.empty())
     throw ArgumentError("--keep: trajectories go into a file that ends in .h5, .glb or .usda, with --output");
   if (is_animation && whole_from("--keep", arguments.cloud.keep, 0L, 1L) < 1)
@@ -160,6 +165,7 @@ void warn_of_steps(const models::Ensemble& cloud) {
 codebooks::RealisationCheckpoint checkpoint_of(const std::string& output, const NamedAir& air) {
   if (output.empty() || air.identity.empty()) return {};
   return {.file = output + ".checkpoint",
+          .keep = true,
           .air = air.identity,
           .note = [](const std::string& sentence) { narrate(sentence); },
           .warning = [](const std::string& sentence) { warn(sentence); }};
@@ -220,9 +226,9 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   const double radius = radius_of(arguments, model);
   const NamedAir air = air_of(arguments, model, seed, radius);
   catch_interrupts();
-  models::Ensemble cloud =
-      codebooks::realise(model, {}, *air.source, {times.data(), static_cast<std::size_t>(times.size())},
-                         options, checkpoint_of(arguments.output, air));
+  const codebooks::RealisationCheckpoint checkpoint = checkpoint_of(arguments.output, air);
+  models::Ensemble cloud = codebooks::realise(
+      model, {}, *air.source, {times.data(), static_cast<std::size_t>(times.size())}, options, checkpoint);
   clear_progress();
   if (cloud.realisations() == 0) {
     warn("interrupted before the first 256 realisations were done");
@@ -230,8 +236,8 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   }
   warn_of_steps(cloud);
   warn_of_gusts(air.shortest_gust, options.step);
-  if (!arguments.cloud.picture.empty())
-    io::write_text_atomically(arguments.cloud.picture, cloud_picture(cloud, layout, options.ground));
+  std::string picture;
+  if (!arguments.cloud.picture.empty()) picture = cloud_picture(cloud, layout, options.ground);
   // Those that only the picture wanted.
   const long wanted = whole_from("--keep", arguments.cloud.keep, 0L, body ? kMostAnimatedFlights : 0L);
   cloud.kept.resize(std::min(cloud.kept.size(), static_cast<std::size_t>(wanted)));
@@ -254,6 +260,9 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
     const CloudTable table = cloud_table(cloud);
     write_answer(arguments.output, io::format_csv(table.header, table.rows));
   }
+  if (!arguments.cloud.picture.empty()) io::write_text_atomically(arguments.cloud.picture, picture);
+  std::error_code ignored;
+  if (!cloud.cancelled && !checkpoint.file.empty()) std::filesystem::remove(checkpoint.file, ignored);
   if (arguments.cloud.json) print(cloud_json(file));
   narrate(cloud_summary(file, layout));
   if (!cloud.cancelled)

@@ -176,7 +176,7 @@ void write_cloud(const std::string& path, const CloudFile& file) {
   const Ensemble& cloud = file.cloud;
   const models::ModelInfo& info = file.model.model().info();
   io::Hdf5Writer out(path);
-  out.write_text_attribute("/", "format", "samara-cloud");
+  out.write_text_attribute("/", "format", kCloudFormat);
   out.write_text_attribute("/", "format_version", "0.1");
   out.write_text_attribute("/", "model", info.name);
   out.write_text_attribute("/", "air", file.air);

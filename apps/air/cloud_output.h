@@ -12,6 +12,9 @@
 /// A cloud of realisations as a table, as JSON, as HDF5 and in words.
 namespace samara::apps {
 
+/// What its file says of itself.
+inline constexpr const char* kCloudFormat = "samara-cloud";
+
 struct CloudFile {
   const models::Ensemble& cloud;
   const models::ParametricModel& model;

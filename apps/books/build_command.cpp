@@ -97,7 +97,7 @@ int run_build(const BuildArguments& arguments) {
   if (arguments.dry_run) {
     const codebooks::Plan plan = plan_of(arguments);
     if (!arguments.output.empty()) check_target(arguments);
-    print(arguments.json ? planned_json(plan).dump() + "\n" : planned_text(plan));
+    print(arguments.json ? json_line(planned_json(plan)) : planned_text(plan));
     return kDone;
   }
   if (arguments.output.empty())
@@ -118,7 +118,7 @@ int run_build(const BuildArguments& arguments) {
     }
     narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
                         result.book.provenance().build_seconds, effort(result.book)));
-    print(arguments.json ? build_json(result, arguments.output).dump() + "\n"
+    print(arguments.json ? json_line(build_json(result, arguments.output))
                          : wrapped_lines(to_table(*result.book.certificate(), result.book)));
     if (result.met) return kDone;
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));

@@ -262,7 +262,7 @@ int run_info(const InfoArguments& arguments) {
       throw ArgumentError(fmt::format("--plan is of codebooks, and {} is a flow", arguments.book));
     const flow::StoredFlow stored = flow::load_flow(arguments.book);
     write_answer(arguments.output,
-                 arguments.json ? to_json(stored).dump() + "\n" : to_table(stored, arguments.book));
+                 arguments.json ? json_line(to_json(stored)) : to_table(stored, arguments.book));
     return kDone;
   }
   const Codebook book = codebooks::load(arguments.book);
@@ -273,7 +273,7 @@ int run_info(const InfoArguments& arguments) {
     return kDone;
   }
   if (arguments.json)
-    write_answer(arguments.output, book_json(book, arguments.book).dump() + "\n");
+    write_answer(arguments.output, json_line(book_json(book, arguments.book)));
   else
     write_readable(arguments.output, describe(book, arguments.book));
   return kDone;

@@ -9,10 +9,8 @@
 
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
-#include "inputs/value_lists.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/base/text.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/plan/plan_changes.h"
 #include "samara/io/text_file.h"
@@ -39,15 +37,9 @@ codebooks::PlanChanges changes_of(const BuildArguments& arguments, const std::ve
           fmt::format("--set: unknown name \"{}\"{}", setting.name, suggestion(setting.name, known)));
     if (std::ranges::count(changes.coordinates, name, &codebooks::PlanChanges::Coordinate::name) > 0)
       throw ArgumentError(fmt::format("--set: \"{}\" is set twice", name));
-    const std::size_t dots = setting.text.find("..");
-    const std::string upper =
-        dots == std::string::npos ? "" : std::string(trimmed(setting.text.substr(dots + 2)));
-    std::string lower(trimmed(setting.text.substr(0, dots)));
-    // "0.5..2 mm" is meant as 0.5 mm to 2 mm, as in lists of numbers.
-    if (!lower.empty() && unit_behind(lower).empty() && !unit_behind(upper).empty())
-      lower = fmt::format("{} {}", lower, unit_behind(upper));
-    changes.coordinates.push_back({name, lower, upper});
-    if (changes.coordinates.back().value.empty() || (dots != std::string::npos && upper.empty()))
+    const auto [lower, upper] = ends_of(setting.text);
+    changes.coordinates.push_back({name, lower, upper.value_or("")});
+    if (lower.empty() || (upper && upper->empty()))
       throw ArgumentError(fmt::format("--set \"{}\": NAME=VALUE or NAME=FROM..TO was expected", text));
   }
   if (!arguments.tolerance.empty())

@@ -177,7 +177,7 @@ int write(const QueryArguments& arguments, const Codebook& book, const Labels& o
   if (arguments.json) {
     const bool composed = !arguments.until.empty();
     write_answer(arguments.output,
-                 values_json(book, outputs, points, table, arguments.gradient, composed).dump() + "\n");
+                 json_line(values_json(book, outputs, points, table, arguments.gradient, composed)));
   } else {
     write_csv(arguments.output, outputs, points, table, arguments.gradient);
   }

@@ -243,7 +243,7 @@ int run_stats(const StatsArguments& arguments) {
                     fmt::join(derived, ", ")));
   for (const std::string& note : statistics.notes) narrate(note);
   write_answer(arguments.output,
-               arguments.json ? statistics_json(book, statistics).dump() + "\n" : to_csv(book, statistics));
+               arguments.json ? json_line(statistics_json(book, statistics)) : to_csv(book, statistics));
   return kDone;
 }
 

@@ -104,7 +104,7 @@ int run_validate(const ValidateArguments& arguments) {
   Json object = {{"schema", "samara-validate/1"}};
   object["certificate"] = to_json(certificate, book);
   if (arguments.json)
-    write_answer(arguments.output, object.dump() + "\n");
+    write_answer(arguments.output, json_line(object));
   else
     write_readable(arguments.output, to_table(certificate, book));
   return certificate.met ? kDone : kToleranceMissed;

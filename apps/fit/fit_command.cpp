@@ -15,6 +15,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
+#include "samara/codebooks/file/file_format.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/identification/files/fit_files.h"
 #include "samara/identification/report/fit_page.h"
@@ -95,7 +96,10 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   check_outputs_differ(written);
   if (!arguments.output.empty()) check_text_output(arguments.output, inputs, ".json");
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
-  if (!arguments.series.empty()) check_file_output(arguments.series, inputs);
+  if (!arguments.series.empty()) {
+    check_file_output(arguments.series, inputs);
+    check_replaced_hdf5(arguments.series, "codebook", codebooks::format::kFormat);
+  }
   const auto is_problem = [](const std::string& file) {
     const std::string ending = ending_of(file);
     return ending == ".yaml" || ending == ".yml";

@@ -182,7 +182,7 @@ int run_flow(const FlowArguments& arguments) {
   }
   flow::save_flow(result, plan, arguments.output);
   const flow::StoredFlow stored = flow::load_flow(arguments.output);
-  print(arguments.json ? to_json(stored).dump() + "\n" : to_table(stored, arguments.output));
+  print(arguments.json ? json_line(to_json(stored)) : to_table(stored, arguments.output));
   if (result.status != flow::FlowStatus::max_time) {
     fs::remove(options.checkpoint, ignored);
     return kDone;

@@ -3,9 +3,11 @@
 #include <charconv>
 #include <cmath>
 #include <ranges>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include "inputs/value_lists.h"
 #include "samara/base/errors.h"
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
@@ -64,14 +66,20 @@ Setting setting_of(const std::string& option, const std::string& text) {
   return {text.substr(0, sign), text.substr(sign + 1)};
 }
 
-models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit) {
+EndTexts ends_of(const std::string& text) {
   const std::size_t dots = text.find("..");
-  if (dots == std::string::npos) {
-    const double value = number_or_quantity(name, text, unit);
-    return {value, value};
-  }
-  return {number_or_quantity(name, std::string(trimmed(text.substr(0, dots))), unit),
-          number_or_quantity(name, std::string(trimmed(text.substr(dots + 2))), unit)};
+  EndTexts ends = {std::string(trimmed(std::string_view(text).substr(0, dots))), std::nullopt};
+  if (dots == std::string::npos) return ends;
+  ends.upper = std::string(trimmed(std::string_view(text).substr(dots + 2)));
+  const std::string unit = unit_behind(*ends.upper);
+  if (!ends.lower.empty() && !unit.empty() && unit_behind(ends.lower).empty()) ends.lower += " " + unit;
+  return ends;
+}
+
+models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit) {
+  const EndTexts ends = ends_of(text);
+  const double lower = number_or_quantity(name, ends.lower, unit);
+  return {lower, ends.upper ? number_or_quantity(name, *ends.upper, unit) : lower};
 }
 
 Eigen::Vector3d place_of(const std::string& option, const std::string& text, const std::string& directions) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,16 @@ double positive_quantity(const std::string& what, const std::string& text, const
 /// The same as number_or_quantity() of an error or a deviation, which degrees Celsius are none of.
 double number_or_difference(const std::string& what, const std::string& text, const std::string& unit);
 
-/// "0.2", or from and to: "20 deg..60 deg". @throws ArgumentError as number_or_quantity()
+/// A value, or what stands before and behind "..".
+struct EndTexts {
+  std::string lower;
+  std::optional<std::string> upper;  ///< none of a value
+};
+
+/// "0.5..2 mm" is meant as 0.5 mm to 2 mm, as in lists of numbers.
+EndTexts ends_of(const std::string& text);
+
+/// "0.2", or from and to: "20 deg..60 deg", "20..60 deg". @throws ArgumentError as number_or_quantity()
 models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit);
 
 /// A place in metres, "0, 5 m, 30 m". @param directions of the three, for the message

@@ -97,7 +97,7 @@ int run_body(const BodyArguments& arguments) {
                    {"added_mass_by", described.by_panels ? "panels" : "ellipsoid"},
                    {"scaling_numbers", numbers},
                    {"kirchhoff_body", parameters}};
-    write_answer(arguments.output, object.dump() + "\n");
+    write_answer(arguments.output, json_line(object));
   } else {
     write_answer(arguments.output, words_of(described, numbers));
   }

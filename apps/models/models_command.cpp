@@ -231,7 +231,7 @@ int run_models(const ModelsArguments& arguments) {
   if (arguments.json) {
     Json object = {{"schema", "samara-models/1"}, {"models", Json::array()}};
     for (const Listed& one : listed) object["models"].push_back(listed_json(one));
-    write_answer(arguments.output, object.dump() + "\n");
+    write_answer(arguments.output, json_line(object));
   } else if (!arguments.model.empty()) {
     write_answer(arguments.output, explain(listed.front()));
   } else {

@@ -288,7 +288,7 @@ int run_simulate(const SimulateArguments& arguments) {
     all_numbers &= keep_numbers(header.substr(0, header.rfind('[')), table.rows.col(c).head(rows));
   }
   write_answer(arguments.output, arguments.cloud.json
-                                     ? trajectory_json(arguments.model, table, outcome.message).dump() + "\n"
+                                     ? json_line(trajectory_json(arguments.model, table, outcome.message))
                                      : io::format_csv(table.header, table.rows));
   if (outcome) return all_numbers ? kDone : kToleranceMissed;
   warn(rows < times.size()

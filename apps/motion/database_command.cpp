@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -7,7 +6,6 @@
 
 #include "options/option_parts.h"
 #include "samara/base/errors.h"
-#include "samara/io/hdf5_reader.h"
 #include "samara/motion/database/database_file.h"
 #include "samara/motion/database/database_report.h"
 #include "samara/motion/sweeps/sweep_file.h"
@@ -25,24 +23,10 @@ struct DatabaseArguments {
   bool json = false;
 };
 
-/// No other file is lost to a database.
-void check_target(const std::string& path) {
-  const std::string kind = "database of motions";
-  check_replaced(path, kind, "\x89HDF");
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return;
-  const io::Hdf5Reader file(path);
-  const std::string format = file.has_attribute("/", "format") ? file.text_attribute("/", "format") : "";
-  if (format != "samara-motions")
-    throw ArgumentError(
-        fmt::format("the output \"{}\" is a file in the format \"{}\", and no {}: it would be overwritten",
-                    path, format, kind));
-}
-
 int run_database(const DatabaseArguments& arguments) {
   catch_interrupts();
   check_file_output(arguments.output, {arguments.sweep});
-  check_target(arguments.output);
+  check_replaced_hdf5(arguments.output, "database of motions", "samara-motions");
   const motion::Sweep sweep = motion::load_sweep(arguments.sweep);
   motion::MotionDatabase database;
   try {

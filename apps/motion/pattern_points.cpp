@@ -110,7 +110,7 @@ int points_of_map(const PatternsArguments& arguments, const motion::Sweep& sweep
     points = map.clamp(motion::pattern_of(arguments.clamp), point).transpose();
     if (points.row(0) == point.transpose()) narrate("the point leads to this pattern as it is");
   }
-  write_answer(arguments.output, arguments.json ? points_json(arguments, sweep, map, points).dump() + "\n"
+  write_answer(arguments.output, arguments.json ? json_line(points_json(arguments, sweep, map, points))
                                                 : points_csv(sweep, points));
   return kDone;
 }

@@ -181,7 +181,7 @@ int patterns_of_captures(const PatternsArguments& arguments) {
   text += thresholds_text(thresholds);
   if (!arguments.report.empty())
     io::write_text_atomically(arguments.report, motion::pattern_html(motions, thresholds, body.numbers));
-  write_answer(arguments.output, arguments.json ? object.dump() + "\n" : text);
+  write_answer(arguments.output, arguments.json ? json_line(object) : text);
   return kDone;
 }
 

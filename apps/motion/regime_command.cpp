@@ -102,7 +102,7 @@ int run_regime(const RegimeArguments& arguments) {
                  {"distance", answer.distance},
                  {"measured", answer.measured}};
   if (shares) object["sweep"] = shares_json(*shares);
-  write_answer(arguments.output, object.dump() + "\n");
+  write_answer(arguments.output, json_line(object));
   return kDone;
 }
 

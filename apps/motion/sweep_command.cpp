@@ -42,6 +42,7 @@ void check_sweep_target(const SweepArguments& arguments) {
 motion::SweepOptions sweep_options(const SweepArguments& arguments) {
   motion::SweepOptions options;
   options.checkpoint = arguments.output + ".part";
+  options.keep_checkpoint = true;
   options.progress = progress_line();
   options.warning = [](const std::string& sentence) { warn(sentence); };
   std::error_code ignored;

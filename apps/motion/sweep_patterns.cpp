@@ -201,7 +201,7 @@ int patterns_of_sweep(const PatternsArguments& arguments) {
   Json object = sweep_json(sweep);
   std::string text = sweep_counts(sweep) + shares_text(sweep);
   if (sweep.release_count() > 1) object["points_of_one_pattern"] = share_of_one_pattern(sweep);
-  const auto answer = [&] { write_answer(arguments.output, arguments.json ? object.dump() + "\n" : text); };
+  const auto answer = [&] { write_answer(arguments.output, arguments.json ? json_line(object) : text); };
   const int clusters = arguments.clusters.value_or(4);
   if (sweep.fall_count() / sweep.release_count() <= std::max(motion::PatternMap::kNeighbours, clusters)) {
     narrate("so few points have no map and no clusters");

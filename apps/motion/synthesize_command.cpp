@@ -13,6 +13,7 @@
 #include "pictures/shown_bodies.h"
 #include "samara/base/errors.h"
 #include "samara/base/text.h"
+#include "samara/codebooks/file/file_format.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/identification/series/series_codebook.h"
@@ -62,6 +63,7 @@ void check_outputs(const SynthesizeArguments& arguments, const std::vector<std::
     if (path.empty()) continue;
     if (option == "--course") {
       check_file_output(path, inputs);
+      check_replaced_hdf5(path, "codebook", codebooks::format::kFormat);
     } else if (option == "--csv") {
       check_text_output(path, inputs, ".csv");
     } else {
@@ -113,6 +115,7 @@ void write_motion(const SynthesizeArguments& arguments, const motion::MotionPlan
 motion::PlanningOptions planning_options(const SynthesizeArguments& arguments) {
   motion::PlanningOptions options{.progress = progress_line(),
                                   .checkpoint = arguments.output + ".part",
+                                  .keep_checkpoint = true,
                                   .warning = [](const std::string& sentence) { warn(sentence); }};
   std::error_code ignored;
   const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
@@ -144,6 +147,12 @@ int run_synthesize(const SynthesizeArguments& arguments) {
   clear_progress();
   if (motion.status == motion::MotionStatus::cancelled)
     return end_interrupted_search(options, motion.message);
+  const auto forget_search = [&] {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+  };
+  // The same search would end there again.
+  if (!motion.is_usable() || motion.times.size() < motion::kFewestPoses) forget_search();
   if (!motion.is_usable()) throw NoResultError(motion.message);
   if (motion.times.size() < motion::kFewestPoses)
     throw NoResultError(
@@ -164,6 +173,7 @@ int run_synthesize(const SynthesizeArguments& arguments) {
     io::write_text_atomically(arguments.picture, motion::motion_picture(plan, motion, ghost));
   if (!arguments.report.empty())
     io::write_text_atomically(arguments.report, motion::motion_html(plan, motion, ghost));
+  forget_search();
   if (arguments.json) {
     print(motion::motion_json(plan, motion, ghost));
   } else {

@@ -22,6 +22,7 @@
 #include "samara/codebooks/certify/builder_end.h"
 #include "samara/io/animated_scene.h"
 #include "samara/io/atomic_file.h"
+#include "samara/io/hdf5_reader.h"
 #include "terminal/terminal.h"
 #include "terminal/text_layout.h"
 
@@ -37,8 +38,12 @@ void print_part(std::string_view text) {
   throw ArgumentError(fmt::format("the answer cannot be written to stdout: {}", std::strerror(errno)));
 }
 
+std::string json_line(const Json& object) {
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 void print(const Json& object) {
-  print(object.dump() + "\n");
+  print(json_line(object));
 }
 
 void check_output(const std::string& path, const std::vector<std::string>& inputs) {
@@ -128,6 +133,22 @@ void check_replaced(const std::string& path, const std::string& kind, const std:
   if (begin.find(mark) == std::string::npos)
     throw ArgumentError(
         fmt::format("the output \"{}\" is a file, and no {}: it would be overwritten", path, kind));
+}
+
+void check_replaced_hdf5(const std::string& path, const std::string& kind, const std::string& format) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return;
+  require_readable(path);
+  std::string found;
+  try {
+    const io::Hdf5Reader file(path);
+    if (file.has_attribute("/", "format")) found = file.text_attribute("/", "format");
+  } catch (const InputError&) {  // of another program, or damaged
+  }
+  if (found == format) return;
+  const std::string said = found.empty() ? "" : fmt::format(" in the format \"{}\"", found);
+  throw ArgumentError(
+      fmt::format("the output \"{}\" is a file{}, and no {}: it would be overwritten", path, said, kind));
 }
 
 void write_answer(const std::string& path, const std::string& text) {

@@ -20,7 +20,8 @@ using Json = nlohmann::ordered_json;
 void print(const std::string& text);
 /// One of several parts of an answer. @throws as print()
 void print_part(std::string_view text);
-/// One object on one line.
+/// One object on one line; bytes that are no UTF-8, as names of files may have, become U+FFFD.
+std::string json_line(const Json& object);
 void print(const Json& object);
 /// Before the work is done: whether an answer can be written to the file.
 /// @throws ArgumentError if not, or if it is one of the inputs.
@@ -50,6 +51,10 @@ void require_readable(const std::string& path);
 /// @param kind such as "plan" @param mark what every file of the kind holds in its first 64 kB
 /// @throws ArgumentError if the file is there, regular, and without the mark
 void check_replaced(const std::string& path, const std::string& kind, const std::string& mark);
+/// The same of a file in HDF5.
+/// @param format its attribute of this name
+/// @throws ArgumentError if the file is there, regular, and of another format
+void check_replaced_hdf5(const std::string& path, const std::string& kind, const std::string& format);
 /// To a file, or to stdout if the path is empty.
 void write_answer(const std::string& path, const std::string& text);
 /// The same of text for readers, in lines that fit: of files in the usual ones, whatever the terminal.

@@ -66,7 +66,7 @@ models::Ensemble realise(const models::ParametricModel& model, std::span<const d
   models::Ensemble cloud = begun ? models::resume(*begun, model, point, air, times, keeping)
                                  : models::realise(model, point, air, times, keeping);
   std::error_code ignored;
-  if (!cloud.cancelled) std::filesystem::remove(checkpoint.file, ignored);
+  if (!cloud.cancelled && !checkpoint.keep) std::filesystem::remove(checkpoint.file, ignored);
   return cloud;
 }
 

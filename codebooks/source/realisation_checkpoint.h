@@ -12,6 +12,7 @@ namespace samara::codebooks {
 
 struct RealisationCheckpoint {
   std::filesystem::path file = {};  ///< removed once all have flown; empty: nothing is kept
+  bool keep = false;  ///< the file stays, for a caller that removes it when the result is written
   /// Which air it is, seed included, in any words: what flew through another is not taken up.
   std::string air = {};
   /// Told in one sentence each: that realisations are taken up, or replaced; and that the file cannot be written.

@@ -114,7 +114,7 @@ class Planner {
     begin();
     const std::optional<FoundFall> found = search();
     if (cancelled_) return cancelled();
-    if (!options_.checkpoint.empty()) {
+    if (!options_.checkpoint.empty() && !options_.keep_checkpoint) {
       std::error_code ignored;
       std::filesystem::remove(options_.checkpoint, ignored);
     }

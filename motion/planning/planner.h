@@ -85,6 +85,8 @@ struct PlanningOptions {
   /// Where the search is kept while it runs (every ten seconds, and when it is cancelled), and taken up again if it
   /// is of the same plan; it is removed when all is done. What comes out is the same to the bit. Empty: nowhere.
   std::filesystem::path checkpoint = {};
+  /// Leave the checkpoint of a search that is done, too: for a caller that removes it when the result is written.
+  bool keep_checkpoint = false;
   /// Told in one sentence, once, if the checkpoint cannot be written.
   std::function<void(const std::string&)> warning = {};
 };

@@ -241,7 +241,7 @@ RefiningResult refine_by_plan(const SweepPlan& plan, const SweepOptions& options
   const auto begin = std::chrono::steady_clock::now();
   codebooks::check_checkpoint_path(options.checkpoint, kSweepCheckpoint);
   RefiningResult result = rounds_of(plan, options, sweep);
-  if (result.complete && !options.checkpoint.empty()) {
+  if (result.complete && !options.checkpoint.empty() && !options.keep_checkpoint) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);
   }

@@ -326,7 +326,7 @@ SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options) {
   }
   result.falls_done = result.sweep.fall_count();
   result.complete = result.falls_done == lanes.rows();
-  if (result.complete && !options.checkpoint.empty()) {
+  if (result.complete && !options.checkpoint.empty() && !options.keep_checkpoint) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);
   }

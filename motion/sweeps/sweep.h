@@ -76,6 +76,8 @@ struct SweepOptions {
   /// Where finished falls are kept while the sweep runs, and taken up again if there are any of the same plan; it is
   /// removed when all is done. Empty: nowhere.
   std::filesystem::path checkpoint = {};
+  /// Leave the checkpoint of a sweep that is done, too: for a caller that removes it when the result is written.
+  bool keep_checkpoint = false;
   /// Told in one sentence, once, if the checkpoint cannot be written.
   std::function<void(const std::string&)> warning = {};
 };

@@ -79,8 +79,20 @@ class _Teller:
                 self._add(f"global {name}")
                 self.tell(function.__globals__[name])
 
+    def _class(self, kind: type) -> None:
+        for base in kind.__mro__:
+            if base.__module__ != self._module:
+                continue  # of a library
+            for name, member in vars(base).items():
+                for part in _parts(name, member):
+                    self._add(f"member {name}")
+                    self.tell(part)
+
     def _other(self, thing: Any) -> None:
-        if not isinstance(thing, type):
+        if isinstance(thing, type):
+            self._class(thing)
+        else:
+            self._class(type(thing))
             call = getattr(type(thing), "__call__", None)
             if isinstance(call, types.FunctionType):
                 self.tell(call)
@@ -93,6 +105,18 @@ class _Teller:
         self.digest.update(text.encode() + b"\0")
 
 
+def _parts(name: str, member: Any) -> tuple[Any, ...]:
+    """What a member of a class computes with: its functions, or its value."""
+    if isinstance(member, property):
+        return (member.fget, member.fset, member.fdel)
+    if isinstance(member, (staticmethod, classmethod)):
+        return (member.__func__,)
+    if isinstance(member, functools.cached_property):
+        return (member.func,)
+    is_value = isinstance(member, (bool, int, float, complex, str, bytes)) and not name.startswith("__")
+    return (member,) if is_value or isinstance(member, types.FunctionType) else ()
+
+
 def _names(code: types.CodeType) -> list[str]:
     """Names that the code and those inside it ask for, which may be globals."""
     inner = [name for c in code.co_consts if isinstance(c, types.CodeType) for name in _names(c)]
@@ -100,7 +124,8 @@ def _names(code: types.CodeType) -> list[str]:
 
 
 def identity(function: Any, *more: Any) -> tuple[str, str]:
-    """A hash of the function and what it holds: code, defaults, closures, its object, what it takes from its module.
+    """A hash of the function and what it holds: code, defaults, closures, its object with its class, what it
+    takes from its module.
 
     :param more: what else makes the difference
     :returns: the hash, and why it says nothing, or an empty text

@@ -147,7 +147,9 @@ py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std:
   motion::SweepResult result = unlocked(failure, [&] {
     const motion::SweepPlan plan =
         path ? motion::read_sweep_plan(*path) : motion::parse_sweep_plan(text, "the plan");
-    motion::SweepResult swept = motion::run_sweep(plan, options);
+    motion::SweepOptions falls = options;
+    falls.keep_checkpoint = plan.refine > 0;  // until that of the refining stands in its place
+    motion::SweepResult swept = motion::run_sweep(plan, falls);
     if (!swept.complete || plan.refine == 0) return swept;
     const motion::RefiningResult refined = motion::refine_by_plan(plan, options, swept.sweep);
     swept.complete = refined.complete;

@@ -41,8 +41,11 @@ py::tuple segment_agreement(const std::vector<std::filesystem::path>& files, con
   std::vector<motion::LabelledSegment> segments;
   if (path) segments = motion::read_labelled_segments(*path, classes);
   for (const auto& [capture, first, last, word] : rows) segments.push_back({capture, first, last, word});
-  const motion::SegmentAgreement both = motion::compare(segments, captures_from(files, tables, sidecar),
-                                                        classes, length, thresholds_of(thresholds));
+  const std::vector<identification::Capture> captures = captures_from(files, tables, sidecar);
+  const motion::SegmentAgreement both = [&] {
+    const py::gil_scoped_release release;
+    return motion::compare(segments, captures, classes, length, thresholds_of(thresholds));
+  }();
   py::list told;
   for (std::size_t n = 0; n < segments.size(); ++n) {
     const motion::LabelledSegment& s = segments[n];
@@ -61,8 +64,11 @@ py::tuple clusters(const Array& points, bool mixture, int count, int restarts, s
   const Shape shape = shape_of(points);
   const ConstColumns columns(points.data(), shape.at(1), shape.at(0));
   const motion::ClusterOptions options = {.clusters = count, .restarts = restarts, .seed = seed};
-  const motion::Clusters found = mixture ? motion::gaussian_mixture(columns.transpose(), options)
-                                         : motion::k_means(columns.transpose(), options);
+  const motion::Clusters found = [&] {
+    const py::gil_scoped_release release;
+    return mixture ? motion::gaussian_mixture(columns.transpose(), options)
+                   : motion::k_means(columns.transpose(), options);
+  }();
   return py::make_tuple(found.assignment, copied(found.centres), found.objective, found.converged,
                         found.message);
 }
@@ -74,7 +80,8 @@ void add_pattern_tools(py::module_& module) {
              py::arg("path"), py::arg("rows"), py::arg("words"), py::arg("length"), py::arg("thresholds"));
   module.def("clusters", &clusters, py::arg("points"), py::arg("mixture"), py::arg("count"),
              py::arg("restarts"), py::arg("seed"));
-  module.def("adjusted_rand", &motion::adjusted_rand, py::arg("first"), py::arg("second"));
+  module.def("adjusted_rand", &motion::adjusted_rand, py::arg("first"), py::arg("second"),
+             py::call_guard<py::gil_scoped_release>());
 }
 
 }  // namespace samara::python

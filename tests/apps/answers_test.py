@@ -241,6 +241,11 @@ class Answers(Case):
             self.check_error(run("stats", plan, "--quantiles", *wrong), 2, sentence)
         self.check_error(run("stats", plan, "--group", "k"), 2, "--group \"k\"", "a single input")
 
+    def test_a_unit_behind_a_range_holds_for_both_of_its_ends(self):
+        of_both, behind = (run("stats", book("coin", COIN_PLAN), "--json", "--set", f"v(0)={text}") for text in ("1 cm/s..30 cm/s", "1..30 cm/s"))
+        self.assertEqual(behind.returncode, 0, behind.stderr)
+        self.assertEqual(behind.stdout, of_both.stdout)
+
     def test_stats_take_the_covariance_of_a_fit(self):
         coin = book("coin", COIN_PLAN)
         fall = run("simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7144e-4", "--set", "thickness=2.55e-3",

@@ -5,14 +5,13 @@ Builds that miss, are killed, or find no room.
 
 import json
 import pathlib
-import resource
 import signal
 import subprocess
 import time
 import unittest
 
 from plans import plate_plan
-from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, LONGEST, PATIENCE, SAMARA, Case, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, LONGEST, PATIENCE, SAMARA, Case, main, run, run_with_files_of_at_most, write
 
 
 PLATE_PLAN = plate_plan(3, 3.0)
@@ -206,15 +205,9 @@ class Builds(Case):
             self.assertFalse(target.is_symlink())
             self.assertEqual(run("query", target, "--set", "k=4").returncode, 0)
 
-    def build_with_files_of_at_most(self, size, plan, target):
-        def limit():
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-        return subprocess.run([SAMARA, "build", plan, "-o", target], capture_output=True, text=True, timeout=LONGEST, preexec_fn=limit)
-
     def test_a_full_disk_is_one_sentence_about_the_checkpoint_and_one_about_the_codebook(self):
         target = FOLDER / "full.h5"
-        result = self.build_with_files_of_at_most(1000, write("full.toml", COIN_PLAN), target)
+        result = run_with_files_of_at_most(1000, "build", write("full.toml", COIN_PLAN), "-o", target)
         self.assertEqual(result.returncode, 2, result.stderr)
         warning, *_, error = result.stderr.strip().splitlines()
         self.assertIn("samara: warning: no checkpoint: cannot write", warning)
@@ -232,7 +225,7 @@ class Builds(Case):
         size = target.stat().st_size - 100
         for _ in range(3):  # a build that is held up stores checkpoints on the way, too
             checkpoint.unlink(missing_ok=True)
-            result = self.build_with_files_of_at_most(size, plan, target)
+            result = run_with_files_of_at_most(size, "build", plan, "-o", target)
             if "no checkpoint" not in result.stderr:
                 break
         self.assertEqual(result.returncode, 2)

@@ -17,7 +17,7 @@ import xml.dom.minidom
 import h5py
 import numpy as np
 
-from samara_case import FOLDER, LONGEST, SAMARA, Case, main, run, write
+from samara_case import FOLDER, LINE_PLAN, LONGEST, SAMARA, Case, book, main, run, run_with_files_of_at_most, write
 
 PAGE = (pathlib.Path(__file__).resolve().parents[2] / "docs" / "turbulence.md").read_text()
 CARD = ["immersed_body_in_gusts", *(f"--set={word}" for word in (
@@ -74,6 +74,30 @@ class Clouds(Case):
         self.assertEqual(run(*line(whole)).returncode, 0)
         with h5py.File(path) as one, h5py.File(whole) as other:
             for name in ["mean", "mean_error", "covariance", "covariance_error", "half_turns", "flying"]:
+                np.testing.assert_array_equal(one[name][:], other[name][:])
+
+    def test_a_cloud_whose_files_cannot_be_written_keeps_its_checkpoint(self):
+        def line(path, picture):
+            return ["simulate", *CARD, *GUSTS, "--realisations", 1536, "--until", 0.5, "--frames", 3, "--step", "2 ms", "-o", path, "--picture", picture]
+        path, whole, picture = FOLDER / "full.h5", FOLDER / "not_full.h5", FOLDER / "full.svg"
+        kept = FOLDER / "full.h5.checkpoint"
+        drawn = run(*line(path, "/dev/full"))
+        self.assertEqual(drawn.returncode, 2, drawn.stderr)
+        self.assertIn('cannot write "/dev/full"', drawn.stderr)
+        self.assertTrue(kept.exists())
+        path.unlink()  # it came before the picture
+        written = run_with_files_of_at_most(1000, *line(path, picture))
+        self.assertEqual(written.returncode, 2, written.stderr)
+        self.assertIn("File too large", written.stderr)
+        self.assertFalse(picture.exists())
+        self.assertTrue(kept.exists())
+        resumed = run(*line(path, picture))
+        self.assertEqual(resumed.returncode, 0, resumed.stderr)
+        self.assertRegex(resumed.stderr, r"full.h5.checkpoint holds \d+ realisations of this call")
+        self.assertFalse(kept.exists())
+        self.assertEqual(run(*line(whole, picture)).returncode, 0)
+        with h5py.File(path) as one, h5py.File(whole) as other:
+            for name in ["mean", "mean_error", "covariance", "half_turns", "flying"]:
                 np.testing.assert_array_equal(one[name][:], other[name][:])
 
     def test_an_interrupted_cloud_is_told_before_flights_that_are_no_numbers(self):
@@ -310,6 +334,12 @@ class BadClouds(Case):
         for words, sentence in wrong:
             self.refused([*ten, *words], sentence)
         self.check_error(cloud(*ten, "--until", 0.1), 3, "refused.h5.checkpoint", "is a folder")
+
+    def test_no_file_of_another_kind_is_lost_to_a_cloud(self):
+        for path in (book("line", LINE_PLAN), write("notes.h5", "mine")):
+            before = path.read_bytes()
+            self.refused(["--realisations", 10, "-o", path], "and no cloud: it would be overwritten")
+            self.assertEqual(path.read_bytes(), before)
 
     def test_more_than_memory_holds(self):
         self.refused(["--realisations", 100000, "--keep", 100000, "--frames", 10001, "-o", FOLDER / "cloud.h5"], "which would take 104")

@@ -65,6 +65,22 @@ class Fits(Case):
         self.assertIn("\\x1b", result.stdout)
         self.assertNotIn("\x1b", result.stdout + result.stderr)
 
+    def test_a_codebook_that_misses_its_tolerance_is_told_in_the_file_of_the_fit_too(self):
+        path, target = FOLDER / "rough.h5", FOLDER / "rough.json"
+        plan = COIN_PLAN.replace('"v(0)" = [0.0, 0.4]', '"v(0)" = { range = [0.0, 0.4], nodes = 2 }')
+        self.assertEqual(run("build", write("rough.toml", plan), "-o", path).returncode, 4)
+        result = run("fit", path, self.capture(), "-o", target)
+        fit = json.loads(target.read_text())
+        told = fit["warnings"][fit["warning_kinds"].index("source")]
+        self.assertIn("rough.h5 has no certificate that meets its tolerance", told)
+        self.assertEqual(result.stderr.count(told), 1, result.stderr)
+
+    def test_no_file_of_another_kind_is_lost_to_a_series(self):
+        config = write("series_of_none.toml", 'outputs = ["x"]\n')
+        other = write("notes_of_series.h5", "mine")
+        self.check_error(run("fit", "vertical_fall", self.capture(), "--config", config, "--series", other), 2, str(other), "no codebook")
+        self.assertEqual(other.read_text(), "mine")
+
     def test_the_result_is_written_to_a_file_too(self):
         target = FOLDER / "fit.json"
         result = run("fit", book("coin", COIN_PLAN), self.capture(), "-o", target)

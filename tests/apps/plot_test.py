@@ -4,6 +4,7 @@ Pictures of codebooks, fits and tables: what is drawn stands where its numbers s
 """
 
 import json
+import os
 import re
 import xml.etree.ElementTree as xml
 
@@ -92,6 +93,13 @@ class Plots(Case):
         picture = drawn(table)
         self.assertEqual([len(curve) for curve in curves(picture)], [3, 4])
         self.assertEqual(len(curves(drawn(table, "--outputs", "v"))), 1)
+
+    def test_a_name_that_is_no_utf8_does_not_end_an_answer_as_json(self):
+        path = FOLDER / os.fsdecode(b"caf\xe9.svg")
+        result = run("plot", write("named.csv", "t[s],x[m]\n0,0\n1,2\n"), "-o", path, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["output"], str(FOLDER / "caf\ufffd.svg"))
+        self.assertTrue(path.exists())
 
     def test_a_column_that_is_constant_but_for_its_last_bit_is_drawn(self):
         table = write("held.csv", "t[s],g[m/s^2]\n0,9.81\n1,9.810000000000002\n")

@@ -7,6 +7,8 @@ import json
 import os
 import pathlib
 import re
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -86,6 +88,14 @@ def run(*arguments):
     if "--json" in arguments and result.stdout.startswith("{"):
         check_schema(json.loads(result.stdout))
     return result
+
+
+def run_with_files_of_at_most(size, *arguments):
+    """The same where no file may be larger, as on a disk that is full."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    return subprocess.run([SAMARA, *map(str, arguments)], capture_output=True, text=True, timeout=LONGEST, preexec_fn=limit)
 
 
 def write(name, text):

@@ -14,7 +14,7 @@ import time
 import h5py
 import numpy
 
-from samara_case import FOLDER, LINE_PLAN, LONGEST, SAMARA, Case, book, main, run, write
+from samara_case import FOLDER, LINE_PLAN, LONGEST, SAMARA, Case, book, main, run, run_with_files_of_at_most, write
 
 PLATES = """model = "falling_plate_nd"
 [fixed]
@@ -361,6 +361,22 @@ step = "1 ms"
         self.assertIn("is kept: the same line goes on from there", errors)
         with h5py.File(part) as file:
             self.assertEqual(len(file["labels"]), 90)
+
+    def test_a_sweep_whose_file_cannot_be_written_keeps_its_checkpoint(self):
+        plan = write("room.toml", PLATES + "[refine]\nrounds = 1\n")
+        path, whole, part = FOLDER / "room.h5", FOLDER / "whole_room.h5", FOLDER / "room.h5.part"
+        self.assertEqual(run("sweep", plan, "-o", whole).returncode, 0)
+        # The falls of the plan fit where those of the round do not.
+        result = run_with_files_of_at_most(whole.stat().st_size - 100, "sweep", plan, "-o", path)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("File too large", result.stderr)
+        self.assertTrue(part.exists())
+        result = run("sweep", plan, "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertFalse(part.exists())
+        with h5py.File(path) as one, h5py.File(whole) as other:
+            for name in ["points", "labels", "features"]:
+                numpy.testing.assert_array_equal(one[name][:], other[name][:])
 
     def test_a_file_that_is_no_checkpoint_is_left_alone_by_a_sweep(self):
         plan, path, part = write("door.toml", PLATES), FOLDER / "door.h5", FOLDER / "door.h5.part"

@@ -149,8 +149,12 @@ class Syntheses(Case):
         self.check_error(run("synthesize", plan("bad.toml", SKETCH), "-o", FOLDER / "bad.csv", "--report", FOLDER / "bad.toml"), 2, "overwrite")
         for named in re.findall(r'"([^"]+\.(?:h5|csv))"', plan("bad.toml", SKETCH).read_text()):
             kept = (FOLDER / named).read_bytes()
-            self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", "--csv" if named.endswith("csv") else "--course", FOLDER / named), 2, "overwrite")
+            self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", "--csv" if named.endswith("csv") else "--course", FOLDER / named), 2, "overwrit")
             self.assertEqual((FOLDER / named).read_bytes(), kept)
+        kept = (FOLDER / "sweep.h5").read_bytes()
+        self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", "--course", FOLDER / "sweep.h5"), 2,
+                         'in the format "samara-sweep", and no codebook')
+        self.assertEqual((FOLDER / "sweep.h5").read_bytes(), kept)
         self.check_error(run("synthesize", FOLDER / "bad.toml", "-o", FOLDER / "bad.csv", "--course", FOLDER / "both", "--csv", FOLDER / "both"), 2,
                          "--course and --csv both name")
         for words in (["--body", "disc"], ["--size", "1"], ["--unit", "mm"]):

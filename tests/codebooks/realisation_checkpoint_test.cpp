@@ -61,6 +61,20 @@ TEST_CASE("realisations that were cut off go on from their checkpoint to the sam
   CHECK_FALSE(std::filesystem::exists(checkpoint.file));
 }
 
+TEST_CASE("a checkpoint of realisations that is to be kept stays until its owner removes it") {
+  const TemporaryDirectory directory;
+  const RealisationCheckpoint checkpoint = {
+      .file = directory / "cloud.checkpoint", .keep = true, .air = "seed 7"};
+  std::vector<std::string> told;
+  const Ensemble all = flown({.realisations = 1536}, checkpoint, told);
+  CHECK(told.empty());
+  const Ensemble again = flown({.realisations = 1536}, checkpoint, told);
+  REQUIRE(told.size() == 1);
+  CHECK_THAT(told[0], Contains("cloud.checkpoint holds 1024 realisations of this call"));
+  CHECK(again.mean == all.mean);
+  CHECK(std::filesystem::exists(checkpoint.file));
+}
+
 TEST_CASE(
     "a checkpoint of realisations of another call, or an empty file, is replaced, and no file of others") {
   const TemporaryDirectory directory;

@@ -131,7 +131,8 @@ TEST_CASE("windows find the landing that the search has missed") {
   CHECK(plan_motion(plan).landing_miss < 0.3 * missed);
 }
 
-TEST_CASE("a search that is interrupted again and again comes to the same motion, to the bit") {
+TEST_CASE(
+    "a search that is interrupted again and again, or kept at its end, has the same motion to the bit") {
   MotionPlan plan = sequence_plan();
   plan.database = plate_motions();
   plan.sketch = slanted_sketch(40.0);
@@ -145,8 +146,9 @@ TEST_CASE("a search that is interrupted again and again comes to the same motion
     // Later and later: on a slow machine a step may take longer than a few reports, and nothing be kept.
     int calls = 0;
     const int most = 4 + interruptions / 10;
-    parts = plan_motion(
-        plan, {.progress = [&](const samara::Progress&) { return ++calls < most; }, .checkpoint = part});
+    parts = plan_motion(plan, {.progress = [&](const samara::Progress&) { return ++calls < most; },
+                               .checkpoint = part,
+                               .keep_checkpoint = true});
     if (parts.status == MotionStatus::cancelled && interruptions++ == 0) {
       MotionPlan other = plan;
       other.search.seed = 2;
@@ -156,6 +158,8 @@ TEST_CASE("a search that is interrupted again and again comes to the same motion
     REQUIRE(interruptions < 1000);
   } while (parts.status == MotionStatus::cancelled);
   CHECK(interruptions > 3);
+  CHECK(std::filesystem::exists(part));
+  CHECK(plan_motion(plan, {.checkpoint = part}).states == whole.states);
   CHECK_FALSE(std::filesystem::exists(part));
   CHECK(parts.status == whole.status);
   CHECK(parts.states == whole.states);

@@ -9,6 +9,7 @@ import sys
 import textwrap
 import threading
 import tomllib
+import types
 import warnings
 
 import numpy as np
@@ -19,6 +20,7 @@ from conftest import COIN, interrupted
 from models_test import exact, model, oscillator, oscillator_jacobian
 from samara._building import _fingerprint
 from samara._errors import in_words_of_python
+from samara._identity import identity
 
 def test_a_plan_gives_the_codebook_of_the_command(coin):
     path = COIN / "plan.toml"
@@ -272,6 +274,42 @@ def test_the_identity_of_a_function_is_alike_in_all_runs_and_that_of_a_model_is_
 
     assert comment() == comment()
     assert len({comment(), comment(jacobian=oscillator_jacobian), other_start()}) == 3
+
+
+def test_the_identity_of_what_a_class_computes_is_another_with_each_of_its_members(monkeypatch):
+    code = textwrap.dedent("""
+        class Law:
+            exponent = {exponent}
+            def drag(self, x):
+                return {drag} * x
+            @property
+            def lift(self):
+                return {lift}
+            @staticmethod
+            def mass():
+                return {mass}
+            @classmethod
+            def torque(cls, x):
+                return {torque} * x
+        class Fall(Law):
+            def __call__(self, x):
+                return x**self.exponent + self.drag(x) + self.lift + self.mass() + self.torque(x)
+        def fall(x):
+            return Fall()(x)
+    """)
+    members = dict.fromkeys(("exponent", "drag", "lift", "mass", "torque"), 1.0)
+
+    def told(**changed):
+        law = types.ModuleType("law_of_a_test")
+        monkeypatch.setitem(sys.modules, law.__name__, law)
+        exec(code.format(**{**members, **changed}), law.__dict__)
+        both = identity(law.Fall()), identity(law.fall)
+        assert [why for _, why in both] == ["", ""]
+        return [digest for digest, _ in both]
+
+    assert told() == told()
+    for digests in zip(told(), *(told(**{name: 2.0}) for name in members)):
+        assert len(set(digests)) == 1 + len(members)
 
 
 def test_a_plan_file_with_a_model_of_ones_own_is_refused_with_its_place(tmp_path):

@@ -39,6 +39,12 @@ def test_a_fit_is_that_of_the_command(coin_path, result, tmp_path):
     assert without_times(samara.fit(coin_path, COIN / "coin.toml", config, profiles=True).raw) == without_times(told)
 
 
+def test_a_fit_of_a_codebook_without_a_certificate_says_so(coin, result):
+    told = "the codebook has no certificate that meets its tolerance"
+    sliced = samara.fit(coin.slice(**{"v(0)": 0.1}), COIN / "coin.toml", COIN / "fit.toml")
+    assert told in sliced.warnings and told in str(sliced) and told not in result.warnings
+
+
 def test_the_report_and_words_are_those_of_the_command(coin_path, result, tmp_path):
     command("fit", coin_path, COIN / "coin.toml", "--config", COIN / "fit.toml", "--profiles", "--report", tmp_path / "a.html")
     result.report(tmp_path / "b.html")

@@ -2,6 +2,8 @@
 
 import json
 import re
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -106,6 +108,26 @@ def test_records_of_captures_are_labelled_as_the_command_labels_them(tmp_path):
     with pytest.raises(samara.ArgumentError, match="did you mean"):
         record.label(thresholds={"steady_tlit": 1.0})
     assert samara.pattern_thresholds(veers=3.0)["veers"] == 3.0 and samara.pattern_thresholds()["veers"] == 2.5
+
+
+def test_other_threads_go_on_while_clusters_are_found():
+    points = np.random.default_rng(4).random((50_000, 4))
+    rounds, done = [0], threading.Event()
+
+    def count():
+        while not done.is_set():
+            rounds[0] += 1
+            time.sleep(0)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    time.sleep(0.01)
+    before = rounds[0]
+    samara.k_means(points, 4, restarts=1)
+    during = rounds[0] - before
+    done.set()
+    thread.join()
+    assert during > 100
 
 
 def test_clusters_and_agreement_are_those_of_plain_formulas(tmp_path):
