@@ -383,13 +383,12 @@ TEST_CASE("the same march twice gives the same bits") {
 TEST_CASE("a march goes on from any of its states to the same bits, in cells too") {
   const System system = double_well();
   const AdaptiveProblem problem = well_problem(system, 3.0);
-  SlabOptions options{.tolerance = 1e-3, .max_nodes = 12, .max_cells = 8};
-  std::vector<std::vector<double>> states;
-  options.checkpoint = [&](const std::vector<double>& state) { states.push_back(state); };
+  const SlabOptions options{.tolerance = 1e-3, .max_nodes = 12, .max_cells = 8};
   const SlabResult whole = solve_by_slabs(problem, options);
   CHECK(whole.cells > 1);
-  REQUIRE(states.size() > 4);
-  options.checkpoint = {};
+  const std::vector<std::vector<double>> states =
+      stored_states([&](const SlabOptions& storing) { solve_by_slabs(problem, storing); }, options, 5);
+  REQUIRE(states.size() >= 5);
   for (const std::size_t from : {std::size_t{0}, states.size() / 2, states.size() - 1}) {
     const SlabResult result = solve_by_slabs(problem, options, states[from]);
     CHECK(result.evaluations == whole.evaluations);
