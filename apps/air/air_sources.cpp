@@ -17,6 +17,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/flow/files/flow_view.h"
+#include "samara/io/checksum.h"
 #include "samara/io/text_file.h"
 #include "samara/models/stochastic/fluid_seen.h"
 #include "samara/models/stochastic/gust_layout.h"
@@ -187,10 +188,8 @@ std::string identity_of(const SimulateArguments& arguments, const std::string& d
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) return "";
     // The files may have changed since.
-    std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
-    for (const char c : io::read_text_file(file, {.bytes = std::numeric_limits<std::size_t>::max()}))
-      hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-    text += fmt::format("{} {:016x}\n", file, hash);
+    const std::string content = io::read_text_file(file, {.bytes = std::numeric_limits<std::size_t>::max()});
+    text += fmt::format("{} {:016x}\n", file, io::fnv1a(content));
   }
   return text;
 }

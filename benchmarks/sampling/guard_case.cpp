@@ -12,6 +12,7 @@
 #include "samara/base/parallel.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/io/checksum.h"
 #include "samara/pgd/tensors/random.h"
 
 // Functions made to deceive: what counts is that no certificate states what independent points refute.
@@ -129,10 +130,7 @@ void tell(const std::vector<Task>& tasks, const std::vector<Verdict>& verdicts) 
 /// The commit, so that nobody chooses.
 std::uint64_t seed_of_commit() {
   const char* commit = std::getenv("SAMARA_COMMIT");
-  std::uint64_t hash = 0xCBF29CE484222325u;
-  for (const char* c = commit == nullptr ? "" : commit; *c != '\0'; ++c)
-    hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001B3u;
-  return hash;
+  return io::fnv1a(commit == nullptr ? "" : commit);
 }
 
 double share_of(const std::vector<Verdict>& verdicts, bool (Verdict::*holds)() const) {

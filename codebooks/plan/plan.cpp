@@ -16,6 +16,7 @@
 #include "samara/codebooks/plan/command_table.h"
 #include "samara/codebooks/plan/plan_subject.h"
 #include "samara/codebooks/plan/tolerance_table.h"
+#include "samara/io/checksum.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/models/equations/equation_model.h"
@@ -142,9 +143,7 @@ std::uint64_t Plan::certificate_seed() const {
   for (const BoxEntry& entry : box)
     question += fmt::format("|{} {} {}", entry.name, entry.lower, entry.upper);
   question += fmt::format("|{} {}|{} {}|{}", end, relative, builder.kind, builder.strategy, builder.seed);
-  std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
-  for (const char c : question) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-  return pgd::Random(hash).bits();
+  return pgd::Random(io::fnv1a(question)).bits();
 }
 
 std::string Plan::whole_text() const {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <span>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -12,6 +13,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/io/atomic_file.h"
+#include "samara/io/checksum.h"
 #include "samara/io/descriptor.h"
 
 namespace samara::codebooks {
@@ -29,17 +31,13 @@ struct RecordHead {
   std::uint64_t of_head = 0;    ///< of what stands before it
 };
 
-/// FNV-1a (Fowler, Noll and Vo, 1991).
-std::uint64_t checksum(const void* bytes, std::size_t count) {
-  std::uint64_t sum = 0xCBF29CE484222325u;
-  for (const auto* byte = static_cast<const unsigned char*>(bytes); count > 0; ++byte, --count)
-    sum = (sum ^ *byte) * 0x100000001B3u;
-  return sum;
+std::uint64_t checksum(const RecordHead& head) {
+  return io::fnv1a(std::as_bytes(std::span(&head, 1)).first(offsetof(RecordHead, of_head)));
 }
 
 RecordHead head_of(std::string_view record) {
-  RecordHead head{record.size(), checksum(record.data(), record.size()), 0};
-  head.of_head = checksum(&head, offsetof(RecordHead, of_head));
+  RecordHead head{record.size(), io::fnv1a(record), 0};
+  head.of_head = checksum(head);
   return head;
 }
 
@@ -55,9 +53,9 @@ std::string_view first_record(std::string_view bytes) {
   if (bytes.size() < sizeof head) return {};
   std::memcpy(&head, bytes.data(), sizeof head);
   bytes.remove_prefix(sizeof head);
-  if (head.of_head != checksum(&head, offsetof(RecordHead, of_head)) || head.length > bytes.size()) return {};
+  if (head.of_head != checksum(head) || head.length > bytes.size()) return {};
   const std::string_view record = bytes.substr(0, head.length);
-  return checksum(record.data(), record.size()) == head.of_record ? record : std::string_view();
+  return io::fnv1a(record) == head.of_record ? record : std::string_view();
 }
 
 [[noreturn]] void cannot_add(const fs::path& path, int reason) {

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <system_error>
@@ -14,6 +12,7 @@
 #include "samara/base/require.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/flow/march/flow_checkpoint.h"
+#include "samara/io/checksum.h"
 
 namespace samara::flow {
 
@@ -40,14 +39,6 @@ std::array<std::vector<double>, 3> extremes_of(const FlowPlan& plan) {
     }
   }
   return extremes;
-}
-
-/// FNV-1a (Fowler, Noll and Vo, 1991).
-std::uint64_t hash_of(const std::vector<double>& numbers) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const std::byte byte : std::as_bytes(std::span(numbers)))
-    hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001b3;
-  return hash;
 }
 
 }  // namespace
@@ -121,7 +112,8 @@ std::filesystem::path finer_checkpoint(const std::filesystem::path& checkpoint) 
 std::string book_source(const FlowPlan& plan) {
   // What other shapes are stands in the text of the plan.
   if (plan.flow.shape.kind != "mesh") return kPlanSource;
-  return fmt::format("{}, mesh {:016x}", kPlanSource, hash_of(plan.flow.shape.sizes));
+  return fmt::format("{}, mesh {:016x}", kPlanSource,
+                     io::fnv1a(std::as_bytes(std::span(plan.flow.shape.sizes))));
 }
 
 std::string checkpointed_text(const FlowPlan& plan) {

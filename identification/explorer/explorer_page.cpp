@@ -1,8 +1,10 @@
 #include "samara/identification/explorer/explorer_page.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -88,14 +90,50 @@ Json capture_json(const Capture& capture, const ExplorerContent& content,
   return json;
 }
 
+/// Whether both are the same file, however they are written.
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return a == b ||
+         std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
+}
+
+/// Where a fit has this capture, whole or in spans. Captures of one name are told apart by their files, others are
+/// not: a fit may have been made elsewhere.
+std::vector<std::size_t> places_in(const FitResult& fit, const Capture& capture,
+                                   std::vector<std::string>& warnings) {
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < fit.captures.size(); ++k)
+    if (fit.captures[k].whole == capture.id) places.push_back(k);
+  const auto file_of = [&](std::size_t k) { return fit.captures[k].file; };
+  if (places.empty() || std::ranges::count(places, file_of(places.front()), file_of) == std::ssize(places))
+    return places;
+  std::erase_if(places, [&](std::size_t k) { return !is_same_file(file_of(k), capture.file); });
+  if (places.empty()) {
+    warnings.push_back(
+        fmt::format("capture \"{}\": the fit has several of that name, none of them of {}, and is not "
+                    "shown beside it",
+                    capture.id, capture.file));
+  }
+  return places;
+}
+
+/// What the page shows of a capture.
+struct ShownCapture {
+  Capture capture;
+  std::optional<std::size_t> place = {};  ///< in the fit
+};
+
 /// The windows of a capture that a fit saw, each with times from its own first frame, as spans() names and cuts them;
 /// else the capture itself.
-std::vector<Capture> captures_of_fit(const Capture& capture, const std::optional<FitResult>& fit,
-                                     std::vector<std::string>& warnings) {
-  std::vector<Capture> windows;
+std::vector<ShownCapture> captures_of_fit(const Capture& capture, const std::optional<FitResult>& fit,
+                                          std::vector<std::string>& warnings) {
+  std::vector<ShownCapture> windows;
+  std::optional<std::size_t> whole;
   if (fit) {
-    for (const CaptureFit& seen : fit->captures) {
-      if (seen.whole != capture.id || seen.id == capture.id || seen.times.size() == 0) continue;
+    for (const std::size_t place : places_in(*fit, capture, warnings)) {
+      const CaptureFit& seen = fit->captures[place];
+      if (seen.id == capture.id) whole = place;
+      if (seen.id == capture.id || seen.times.size() == 0) continue;
       std::vector<Eigen::Index> begins;
       for (Eigen::Index i = 0; i < capture.times.size(); ++i)
         if (span_id(capture.id, capture.times[i]) == seen.id) begins.push_back(i);
@@ -114,10 +152,10 @@ std::vector<Capture> captures_of_fit(const Capture& capture, const std::optional
       window.times = times.segment(begins[0], count);
       for (Channel& channel : window.channels)
         channel.values = channel.values.segment(begins[0], count).eval();
-      windows.push_back(std::move(window));
+      windows.push_back({std::move(window), place});
     }
   }
-  if (windows.empty()) windows.push_back(capture);
+  if (windows.empty()) windows.push_back({capture, whole});
   return windows;
 }
 
@@ -187,8 +225,10 @@ ExplorerPage explorer_page(const ExplorerContent& content) {
     if (!sentence.empty()) page.warnings.push_back(sentence);
   }
   for (const Capture& capture : content.captures) {
-    for (const Capture& shown : captures_of_fit(capture, content.fit, page.warnings))
-      data["captures"].push_back(capture_json(shown, content, page.warnings));
+    for (const ShownCapture& shown : captures_of_fit(capture, content.fit, page.warnings)) {
+      data["captures"].push_back(capture_json(shown.capture, content, page.warnings));
+      data["captures"].back()["placeInFit"] = shown.place ? Json(*shown.place) : Json(nullptr);
+    }
   }
   std::ranges::sort(page.warnings);
   page.warnings.erase(std::unique(page.warnings.begin(), page.warnings.end()), page.warnings.end());

@@ -11,6 +11,7 @@
 #include "samara/identification/captures/gravity_check.h"
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/problem/measurement.h"
+#include "samara/identification/problem/segments.h"
 #include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
@@ -293,6 +294,7 @@ void add_capture_warnings(const models::TrajectoryFamily& source, std::span<cons
                                     id, channel, family.model, suggestion(channel, known)));
   }
   result.warnings.add_all(WarningKind::captures, moved_times(family, captures));
+  result.warnings.add_all(warnings_of_early_starts(family, captures, options));
   result.warnings.add_all(WarningKind::captures, suspicions_of_all(captures, falls_in_middle(source)));
 }
 

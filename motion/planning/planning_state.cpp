@@ -1,15 +1,17 @@
 #include "samara/motion/planning/planning_state.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
 #include "samara/codebooks/book/codebook.h"
+#include "samara/io/checksum.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/io/hdf5_writer.h"
 #include "samara/motion/sweeps/sweep.h"
@@ -194,20 +196,17 @@ void pass(Way& way, PlanningState& state) {
   }
 }
 
-/// FNV-1a over the bytes of numbers: databases are too large to be written down.
+/// A hash of numbers: databases are too large to be written down.
 class Digest {
  public:
-  void add(double value) {
-    const auto bits = std::bit_cast<std::uint64_t>(value);
-    for (int k = 0; k < 64; k += 8) hash_ = (hash_ ^ ((bits >> k) & 0xff)) * 0x100000001b3ULL;
-  }
+  void add(double value) { hash_ = io::fnv1a(std::as_bytes(std::span(&value, 1)), hash_); }
   void add(const Eigen::Ref<const Eigen::MatrixXd>& values) {
     for (const double value : values.reshaped()) add(value);
   }
   std::uint64_t value() const { return hash_; }
 
  private:
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+  std::uint64_t hash_ = io::fnv1a(std::string_view());
 };
 
 std::string sequence_text(const MotionSequence& sequence) {

@@ -30,6 +30,10 @@ def fine_box():
     return corners + "".join("f {} {} {}\nf {} {} {}\n".format(a, b, c, a, c, d) for a, b, c, d in faces)
 
 
+def explored_data(page):
+    return json.loads(re.search('id="explored">(.*?)</script>', page).group(1))
+
+
 class Explorer(Case):
     def test_the_page_is_complete_in_itself_and_forbids_the_network(self):
         text = explored(book("coin", COIN_PLAN)).read_text()
@@ -86,12 +90,12 @@ class Explorer(Case):
 
     def test_one_number_of_a_quaternion_brings_the_others_and_a_free_shape_is_named(self):
         text = explored(book("card", CARD_PLAN), "--outputs", "qw", name="quaternion").read_text()
-        data = json.loads(re.search('id="explored">(.*?)</script>', text).group(1))["books"][0]
+        data = explored_data(text)["books"][0]
         self.assertEqual([output["name"] for output in data["outputs"]], ["qw", "qx", "qy", "qz"])
         self.assertEqual(data["attitude"]["places"], [0, 1, 2, 3])
         free = COIN_PLAN.replace('thickness = "2.55 mm"\n', "").replace("C_D = [0.8, 1.6]", 'C_D = [1.1, 1.2]\nthickness = ["2.5 mm", "2.6 mm"]')
         text = explored(book("free", free), name="free").read_text()
-        data = json.loads(re.search('id="explored">(.*?)</script>', text).group(1))["books"][0]
+        data = explored_data(text)["books"][0]
         self.assertEqual(data["body"]["changes"], ["thickness"])
 
     def test_bytes_that_are_no_text_do_not_stop_the_page(self):
@@ -104,6 +108,22 @@ class Explorer(Case):
         result = run("explore", book("coin", COIN_PLAN), "--capture", capture, "-o", FOLDER / "more.html")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("height in m is no output of the codebook", result.stderr)
+
+    def test_captures_of_one_name_are_those_of_the_fit_by_their_files(self):
+        capture, _ = fallen()
+        copies = []
+        for folder in ("first", "second", "third"):
+            (FOLDER / folder).mkdir()
+            copies.append(FOLDER / folder / "drop.csv")
+            copies[-1].write_bytes(capture.read_bytes())
+        fit = FOLDER / "of_two.json"
+        self.assertEqual(run("fit", book("coin", COIN_PLAN), *copies[:2], "-o", fit).returncode, 0)
+        for shown, place in ((copies[1], 1), (FOLDER / "first" / ".." / "first" / "drop.csv", 0), (copies[2], None)):
+            result = run("explore", book("coin", COIN_PLAN), "--capture", shown, "--fit", fit, "-o", FOLDER / "of_two.html")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            data = explored_data((FOLDER / "of_two.html").read_text())
+            self.assertEqual([c["placeInFit"] for c in data["captures"]], [place])
+            self.assertEqual("the fit has several of that name" in result.stderr, place is None, result.stderr)
 
 
 if __name__ == "__main__":

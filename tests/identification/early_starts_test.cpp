@@ -67,12 +67,16 @@ TEST_CASE(
         }).empty());
 }
 
-TEST_CASE("the warning about an initial value before the first frame stands in the fit of files") {
+TEST_CASE(
+    "the warning about an initial value before the first frame stands in every fit, and in that of files") {
   const auto model =
       models::equation_model({.name = "braked",
                               .states = {{.name = "x", .unit = "m"}, {.name = "v", .unit = "m/s"}},
                               .parameters = {{.name = "k", .unit = "1/s"}},
                               .rates = {"v", "-k*v"}});
+  const std::string kWarning =
+      "x(0) is fixed at 0: since frames are means of 3, it is taken for the value 0.1 s before the first "
+      "frame";
   const FitReport report = fit_files({.model = model,
                                       .measured = averaged_brakings(),
                                       .config_text = "averaged_frames = 3\n"
@@ -85,7 +89,13 @@ TEST_CASE("the warning about an initial value before the first frame stands in t
                                                      "k = [0.2, 5.0]\n"
                                                      "\"v(0)\" = [0.2, 3.0]\n"});
   CAPTURE(text_of(report.fit.warnings));
-  CHECK(report.fit.warnings.has(WarningKind::model,
-                                "x(0) is fixed at 0: since frames are means of 3, it is "
-                                "taken for the value 0.1 s before the first frame"));
+  CHECK(report.fit.warnings.has(WarningKind::model, kWarning));
+
+  BrakedFamily family;
+  FitOptions options;
+  options.compared.averaged_frames = 3;
+  options.compared.outputs = {"x"};
+  options.unknowns.offsets = std::vector<std::string>{};
+  family.mutable_info().fixed["x(0)"] = 0.0;
+  CHECK(fit(family, averaged_brakings(), options).warnings.has(WarningKind::model, kWarning));
 }

@@ -83,7 +83,8 @@ class State {
 
   // What a fit says of a capture, or nothing.
   fitted(capture) {
-    return this.data.fit && capture >= 0 && this.data.fit.captures.find((c) => c.id === this.data.captures[capture].id);
+    const place = capture >= 0 ? this.data.captures[capture].placeInFit : null;
+    return place === null ? undefined : this.data.fit.captures[place];
   }
 
   ownOf(capture) {
