@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,6 +14,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
+#include "samara/identification/captures/capture_file.h"
 #include "samara/identification/explorer/explored_data.h"
 #include "samara/identification/pages/base64.h"
 #include "samara/identification/pages/html_page.h"
@@ -90,31 +91,37 @@ Json capture_json(const Capture& capture, const ExplorerContent& content,
   return json;
 }
 
-/// Whether both are the same file, however they are written.
-bool is_same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return a == b ||
-         std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
+/// Whether a name of a file ends in another, folder by folder: a fit may have been made in a folder further in.
+bool ends_in(const std::string& file, const std::string& end) {
+  const std::filesystem::path whole(file), tail(end);
+  const std::vector<std::filesystem::path> parts(whole.begin(), whole.end()), last(tail.begin(), tail.end());
+  return last.size() <= parts.size() && std::equal(last.rbegin(), last.rend(), parts.rbegin());
 }
 
 /// Where a fit has this capture, whole or in spans. Captures of one name are told apart by their files, others are
-/// not: a fit may have been made elsewhere.
+/// not.
 std::vector<std::size_t> places_in(const FitResult& fit, const Capture& capture,
                                    std::vector<std::string>& warnings) {
   std::vector<std::size_t> places;
   for (std::size_t k = 0; k < fit.captures.size(); ++k)
-    if (fit.captures[k].whole == capture.id) places.push_back(k);
+    if (fit.captures[k].whole == capture.id || fit.captures[k].id == capture.id) places.push_back(k);
   const auto file_of = [&](std::size_t k) { return fit.captures[k].file; };
-  if (places.empty() || std::ranges::count(places, file_of(places.front()), file_of) == std::ssize(places))
-    return places;
-  std::erase_if(places, [&](std::size_t k) { return !is_same_file(file_of(k), capture.file); });
-  if (places.empty()) {
-    warnings.push_back(
-        fmt::format("capture \"{}\": the fit has several of that name, none of them of {}, and is not "
-                    "shown beside it",
-                    capture.id, capture.file));
+  const auto are_of_one_file = [&](const std::vector<std::size_t>& of) {
+    return std::ranges::adjacent_find(of, std::not_equal_to(), file_of) == of.end();
+  };
+  if (are_of_one_file(places)) return places;
+  std::vector<std::size_t> same, alike;
+  for (const std::size_t k : places) {
+    if (is_same_file(file_of(k), capture.file)) same.push_back(k);
+    if (ends_in(capture.file, file_of(k))) alike.push_back(k);
   }
-  return places;
+  if (!same.empty()) return same;
+  if (!alike.empty() && are_of_one_file(alike)) return alike;
+  warnings.push_back(
+      fmt::format("capture \"{}\": the fit has several of that name, none of which is known to be of \"{}\", "
+                  "and is not shown beside it",
+                  capture.id, capture.file));
+  return {};
 }
 
 /// What the page shows of a capture.
@@ -225,9 +232,13 @@ ExplorerPage explorer_page(const ExplorerContent& content) {
     if (!sentence.empty()) page.warnings.push_back(sentence);
   }
   for (const Capture& capture : content.captures) {
+    const bool is_named_twice = std::ranges::count(content.captures, capture.id, &Capture::id) > 1;
     for (const ShownCapture& shown : captures_of_fit(capture, content.fit, page.warnings)) {
-      data["captures"].push_back(capture_json(shown.capture, content, page.warnings));
-      data["captures"].back()["placeInFit"] = shown.place ? Json(*shown.place) : Json(nullptr);
+      Json json = capture_json(shown.capture, content, page.warnings);
+      json["label"] =
+          is_named_twice ? fmt::format("{}, {}", shown.capture.id, capture.file) : shown.capture.id;
+      json["placeInFit"] = shown.place ? Json(*shown.place) : Json(nullptr);
+      data["captures"].push_back(std::move(json));
     }
   }
   std::ranges::sort(page.warnings);

@@ -35,6 +35,14 @@ def explored_data(page):
 
 
 class Explorer(Case):
+    def beside(self, fit, *shown):
+        """What the page has of captures beside a fit, and what was told."""
+        page = FOLDER / "beside.html"
+        options = itertools.chain.from_iterable(("--capture", path) for path in shown)
+        result = run("explore", book("coin", COIN_PLAN), *options, "--fit", fit, "-o", page)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return explored_data(page.read_text())["captures"], result.stderr
+
     def test_the_page_is_complete_in_itself_and_forbids_the_network(self):
         text = explored(book("coin", COIN_PLAN)).read_text()
         self.assertEqual(re.findall(r"(?:src|href)\s*=\s*[\"'](?!#)", text), [])
@@ -118,12 +126,29 @@ class Explorer(Case):
             copies[-1].write_bytes(capture.read_bytes())
         fit = FOLDER / "of_two.json"
         self.assertEqual(run("fit", book("coin", COIN_PLAN), *copies[:2], "-o", fit).returncode, 0)
-        for shown, place in ((copies[1], 1), (FOLDER / "first" / ".." / "first" / "drop.csv", 0), (copies[2], None)):
-            result = run("explore", book("coin", COIN_PLAN), "--capture", shown, "--fit", fit, "-o", FOLDER / "of_two.html")
-            self.assertEqual(result.returncode, 0, result.stderr)
-            data = explored_data((FOLDER / "of_two.html").read_text())
-            self.assertEqual([c["placeInFit"] for c in data["captures"]], [place])
-            self.assertEqual("the fit has several of that name" in result.stderr, place is None, result.stderr)
+        shown = (copies[1], FOLDER / "first" / ".." / "first" / "drop.csv", copies[2])
+        captures, told = self.beside(fit, *shown)
+        self.assertEqual([c["placeInFit"] for c in captures], [1, 0, None])
+        self.assertEqual([c["label"] for c in captures], [f"drop, {path}" for path in shown])
+        self.assertEqual(told.count("the fit has several of that name"), 1, told)
+        # The fit was made in a folder further in.
+        written = json.loads(fit.read_text())
+        for capture in written["captures"]:
+            capture["file"] = os.path.relpath(capture["file"], FOLDER)
+        captures, told = self.beside(write("further_in.json", json.dumps(written)), copies[1])
+        self.assertEqual([(c["placeInFit"], c["label"]) for c in captures], [(1, "drop")])
+        self.assertNotIn("several of that name", told)
+
+    def test_parts_of_a_motion_between_gaps_are_those_of_the_fit(self):
+        capture, _ = fallen()
+        lines = capture.read_text().splitlines(keepends=True)
+        parts = write("parts.csv", "".join(lines[:9] + lines[14:]))
+        write("parts.toml", 'file = "parts.csv"\n[clean]\nlongest_gap = "50 ms"\n')
+        fit = FOLDER / "parts.json"
+        self.assertEqual(run("fit", book("coin", COIN_PLAN), parts, "-o", fit).returncode, 0)
+        self.assertEqual([c["id"] for c in json.loads(fit.read_text())["captures"]], ["parts#1", "parts#2"])
+        captures, _ = self.beside(fit, parts)
+        self.assertEqual([c["placeInFit"] for c in captures], [0, 1])
 
 
 if __name__ == "__main__":

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <catch2/catch.hpp>
 
 #include "samara/identification/files/fit_files.h"
@@ -67,8 +71,7 @@ TEST_CASE(
         }).empty());
 }
 
-TEST_CASE(
-    "the warning about an initial value before the first frame stands in every fit, and in that of files") {
+TEST_CASE("an initial value before the first frame is warned of in every fit, and before a fit of files") {
   const auto model =
       models::equation_model({.name = "braked",
                               .states = {{.name = "x", .unit = "m"}, {.name = "v", .unit = "m/s"}},
@@ -77,18 +80,28 @@ TEST_CASE(
   const std::string kWarning =
       "x(0) is fixed at 0: since frames are means of 3, it is taken for the value 0.1 s before the first "
       "frame";
-  const FitReport report = fit_files({.model = model,
-                                      .measured = averaged_brakings(),
-                                      .config_text = "averaged_frames = 3\n"
-                                                     "offsets = []\n"
-                                                     "outputs = [\"x\"]\n"
-                                                     "starts = 1\n"
-                                                     "[fixed]\n"
-                                                     "\"x(0)\" = 0.0\n"
-                                                     "[box]\n"
-                                                     "k = [0.2, 5.0]\n"
-                                                     "\"v(0)\" = [0.2, 3.0]\n"});
+  std::vector<std::string> told;
+  bool is_told_before = false;
+  const FitReport report =
+      fit_files({.model = model,
+                 .measured = averaged_brakings(),
+                 .config_text = "averaged_frames = 3\n"
+                                "offsets = []\n"
+                                "outputs = [\"x\"]\n"
+                                "starts = 1\n"
+                                "[fixed]\n"
+                                "\"x(0)\" = 0.0\n"
+                                "[box]\n"
+                                "k = [0.2, 5.0]\n"
+                                "\"v(0)\" = [0.2, 3.0]\n",
+                 .progress =
+                     [&](const Progress&) {
+                       is_told_before = std::ranges::count(told, kWarning) == 1;
+                       return true;
+                     },
+                 .warning = [&](const std::string& sentence) { told.push_back(sentence); }});
   CAPTURE(text_of(report.fit.warnings));
+  CHECK(is_told_before);
   CHECK(report.fit.warnings.has(WarningKind::model, kWarning));
 
   BrakedFamily family;

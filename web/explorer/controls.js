@@ -15,7 +15,7 @@ class Controls {
     if (book.coordinates.length > 1)
       this.select("over", "Curves over", book.coordinates.map((c, k) => [k, c.name]), state.along, (value) => { state.along = Number(value); });
     if (data.captures.length) {
-      this.select("capture", "Capture", [[-1, "none"], ...data.captures.map((c, k) => [k, c.id])], state.capture,
+      this.select("capture", "Capture", [[-1, "none"], ...data.captures.map((c, k) => [k, c.label])], state.capture,
                   (value) => state.takeCapture(Number(value)));
     }
     book.coordinates.forEach((coordinate, k) => { if (k !== state.along) this.slider(coordinate, k); });
