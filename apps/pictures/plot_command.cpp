@@ -33,7 +33,7 @@ struct PlotArguments {
   std::string of;     ///< empty: trajectories of a codebook, captures of a fit
   std::vector<std::string> set;
   std::vector<std::string> outputs;
-  std::string capture;  ///< id, of a fit
+  std::string capture;  ///< id, or id and file, of a fit
   int points = 64;      ///< of errors
   std::uint64_t seed = 1;
   int columns = 2;
@@ -173,7 +173,10 @@ void add_plot(CLI::App& app, Arguments& arguments) {
           std::string("of trajectories; the middle of the box where nothing is said: ") + kAssignments)
       ->allow_extra_args(false);
   command->add_option("--outputs", values->outputs, "to show; default: all");
-  command->add_option("--capture", values->capture, "id of a capture of the fit; default: the first");
+  command->add_option("--capture", values->capture,
+                      "id of a capture of the fit, and where several have it the file, as in \"drop, "
+                      "second.csv\"; default: the "
+                      "first");
   command->add_option("--points", values->points, "of errors")
       ->capture_default_str()
       ->check(whole_number())

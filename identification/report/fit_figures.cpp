@@ -40,35 +40,51 @@ std::string label_of(const std::string& name, const std::string& unit) {
   return unit == "1" ? name : fmt::format("{} [{}]", name, unit);
 }
 
+/// The capture of this id; where several have it, of the id and the file, as in "drop, second.csv".
+/// @throws ArgumentError if there is none, or several
+std::size_t place_of(const FitFile& captures, const std::string& name) {
+  std::vector<std::string> ids, choices;
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < captures.size(); ++k) {
+    ids.push_back(captures[k].at("id").get<std::string>());
+    const std::string with_file = fmt::format("{}, {}", ids[k], captures[k].at("file").get<std::string>());
+    if (with_file == name) return k;
+    if (ids[k] != name) continue;
+    places.push_back(k);
+    choices.push_back(fmt::format("\"{}\"", with_file));
+  }
+  if (places.size() == 1) return places.front();
+  if (places.empty())
+    throw ArgumentError(fmt::format("the fit has no capture \"{}\"{}", name, suggestion(name, ids)));
+  throw ArgumentError(fmt::format("the fit has {} captures \"{}\"; one of {} was expected", places.size(),
+                                  name, join(choices)));
+}
+
 }  // namespace
 
 std::vector<io::SvgPanel> capture_panels(const std::filesystem::path& fit, const std::string& capture) {
   return of_fit(fit, [&](const FitFile& file) {
-    std::vector<std::string> ids;
-    for (const FitFile& each : file.at("captures")) {
-      ids.push_back(each.at("id").get<std::string>());
-      if (!capture.empty() && ids.back() != capture) continue;
-      std::vector<io::SvgPanel> panels;
-      const Eigen::VectorXd times = numbers_of(each.at("times"));
-      for (const FitFile& residual : each.at("residuals")) {
-        const auto name = residual.at("output").get<std::string>();
-        const auto values = each.at("outputs").find(name);
-        if (values == each.at("outputs").end()) continue;  // the attitude as a whole
-        panels.push_back({.title = fmt::format("{}: {}", ids.back(), name),
-                          .x_label = "t [s]",
-                          .y_label = label_of(name, residual.at("unit").get<std::string>()),
-                          .series = {{.name = "measured",
-                                      .x = times,
-                                      .y = numbers_of(values->at("measured")),
-                                      .kind = io::SvgSeries::Kind::points,
-                                      .colour = 1},
-                                     {.name = "model", .x = times, .y = numbers_of(values->at("model"))}}});
-      }
-      return panels;
+    const FitFile& captures = file.at("captures");
+    if (captures.empty()) throw ArgumentError(fmt::format("{} has no captures", fit.string()));
+    const FitFile& shown = captures[capture.empty() ? 0 : place_of(captures, capture)];
+    const auto id = shown.at("id").get<std::string>();
+    std::vector<io::SvgPanel> panels;
+    const Eigen::VectorXd times = numbers_of(shown.at("times"));
+    for (const FitFile& residual : shown.at("residuals")) {
+      const auto name = residual.at("output").get<std::string>();
+      const auto values = shown.at("outputs").find(name);
+      if (values == shown.at("outputs").end()) continue;  // the attitude as a whole
+      panels.push_back({.title = fmt::format("{}: {}", id, name),
+                        .x_label = "t [s]",
+                        .y_label = label_of(name, residual.at("unit").get<std::string>()),
+                        .series = {{.name = "measured",
+                                    .x = times,
+                                    .y = numbers_of(values->at("measured")),
+                                    .kind = io::SvgSeries::Kind::points,
+                                    .colour = 1},
+                                   {.name = "model", .x = times, .y = numbers_of(values->at("model"))}}});
     }
-    throw ArgumentError(
-        ids.empty() ? fmt::format("{} has no captures", fit.string())
-                    : fmt::format("the fit has no capture \"{}\"{}", capture, suggestion(capture, ids)));
+    return panels;
   });
 }
 

@@ -10,8 +10,8 @@
 namespace samara::identification {
 
 /// What was measured and what the fitted model says, a panel per output.
-/// @param capture its id; empty: the first
-/// @throws InputError if the file is none of a fit; ArgumentError if there is no such capture
+/// @param capture its id, with its file where several have it ("drop, second.csv"); empty: the first
+/// @throws InputError if the file is none of a fit; ArgumentError if there is no such capture, or several
 std::vector<io::SvgPanel> capture_panels(const std::filesystem::path& fit, const std::string& capture = {});
 
 /// The profile of every coefficient that has one, with the threshold of its interval.

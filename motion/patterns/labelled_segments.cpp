@@ -47,11 +47,25 @@ bool is_part_of_id(const Capture& capture, const std::string& name) {
   throw InputError(segment.file, segment.line, sentence);
 }
 
+std::string files_of(const std::vector<const Capture*>& captures) {
+  std::vector<std::string> files;
+  for (const Capture* capture : captures)
+    files.push_back(capture->file.empty() ? "of no file" : capture->file);
+  return join(files);
+}
+
 const Capture& capture_of(const LabelledSegment& segment, const std::vector<Capture>& captures) {
-  std::vector<const Capture*> fitting;
+  std::vector<const Capture*> named, fitting;
   for (const Capture& capture : captures) {
-    if (capture.id == segment.capture) return capture;
+    if (capture.id == segment.capture) named.push_back(&capture);
     if (is_part_of_id(capture, segment.capture)) fitting.push_back(&capture);
+  }
+  if (named.size() == 1) return *named.front();
+  if (named.size() > 1) {
+    refuse_segment(segment,
+                   fmt::format("labels name the capture \"{}\", which {} captures are called ({}); one "
+                               "was expected",
+                               segment.capture, named.size(), files_of(named)));
   }
   if (fitting.size() == 1) return *fitting.front();
   if (fitting.size() > 1) {

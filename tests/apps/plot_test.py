@@ -88,6 +88,23 @@ class Plots(Case):
         self.check_error(run("plot", fit, "--of", "ranks", "-o", svg), 2, "captures, profiles was expected")
         self.check_error(run("plot", fit, "--capture", "drip", "-o", svg), 2, "did you mean", "drop")
 
+    def test_captures_of_one_id_are_told_apart_by_their_files(self):
+        times = [0.02 * k for k in range(21)]
+        falls = {"slow": 0.5, "fast": 0.8}
+        files = []
+        for name, speed in falls.items():
+            (FOLDER / name).mkdir(exist_ok=True)
+            files.append(write(f"{name}/drop.csv", "t[s],x[m]\n" + "".join(f"{t},{speed * t * t}\n" for t in times)))
+        fit, svg = FOLDER / "namesakes.json", FOLDER / "refused.svg"
+        self.assertIn(run("fit", book("coin", COIN_PLAN), *files, "-o", fit).returncode, (0, 4))
+        known = [capture["file"] for capture in json.loads(fit.read_text())["captures"]]
+        pictures = [drawn(fit, "--capture", f"drop, {file}") for file in known]
+        points = [[c.get("cy") for c in picture.iter(SVG + "circle") if c.get("r") == "2.6"] for picture in pictures]
+        ticks = [texts(picture) for picture in pictures]
+        self.assertEqual([len(p) for p in points], [21, 21])
+        self.assertNotEqual((points[0], ticks[0]), (points[1], ticks[1]))
+        self.check_error(run("plot", fit, "--capture", "drop", "-o", svg), 2, 'has 2 captures "drop"', *known)
+
     def test_tables_are_drawn_column_by_column(self):
         table = write("table.csv", "t[s],x[m],v[m/s]\n0,0,1\n1,,2\n2,4,3\n3,5,4\n")
         picture = drawn(table)

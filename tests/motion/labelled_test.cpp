@@ -118,6 +118,11 @@ TEST_CASE("labels that do not fit the captures are refused in one sentence") {
           compare({{"a", 0, 100, "zigzag"}}, twice);
         }).find("which may be \"drops/a\" or \"other/a\"") != std::string::npos);
   CHECK(compare({{"other/a", 0, 480, "zigzag"}}, twice).labels.size() == 1);
+  std::vector<Capture> namesakes = {twice[0], twice[0]};
+  namesakes[0].file = "first.csv", namesakes[1].file = "second.csv";
+  CHECK(error_text<samara::ArgumentError>([&] {
+          compare({{"drops/a", 0, 100, "zigzag"}}, namesakes);
+        }).find("which 2 captures are called (first.csv, second.csv)") != std::string::npos);
   CHECK(error_text<samara::ArgumentError>([] { pattern_classes({"1:zigzag"}); }).find("WORD=PATTERN") !=
         std::string::npos);
   const std::string both = "the pattern zigzag is given to \"a\" and to \"b\", expected one word";
