@@ -45,11 +45,21 @@ std::string prior_line(const PetabParameter& p) {
                                toml_number(p.prior_numbers[1]), is_logarithmic));
 }
 
+/// PEtab compares angles as they are, not by the circle.
+std::string without_periods(const PetabProblem& problem) {
+  std::string lines;
+  if (problem.captures.empty()) return lines;
+  for (const Channel& channel : problem.captures.front().channels)
+    if (channel.unit == "rad") lines += toml_line(channel.quantity, "0.0");
+  return lines;
+}
+
 }  // namespace
 
 std::string petab_config(const PetabProblem& problem, const PetabSettings& settings) {
   std::vector<std::string> outputs, shared, own, by_factors;
   for (const auto& [output, id] : problem.observables) outputs.push_back(output);
+  const std::string periods = without_periods(problem);
   std::string box, initial, priors, held, known, noise, levels;
   for (const PetabParameter& p : problem.parameters) {
     if (!p.estimated || p.coordinate.empty()) continue;
@@ -80,7 +90,8 @@ std::string petab_config(const PetabProblem& problem, const PetabSettings& setti
   text += "loss.kind = \"none\"\n";
   if (settings.attitude_noise)
     text += fmt::format("attitude_scale = {}\n", toml_number(*settings.attitude_noise));
-  for (const auto& [heading, lines] : {std::pair<const char*, std::string&>{"loss.scale", noise},
+  for (const auto& [heading, lines] : {std::pair<const char*, const std::string&>{"loss.scale", noise},
+                                       {"periods", periods},
                                        {"fixed", held},
                                        {"known", known},
                                        {"box", box},

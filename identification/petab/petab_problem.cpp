@@ -35,6 +35,7 @@ class PetabTables {
     problem_.parameter_cells = std::move(parameters.cells);
     for (const auto& path : problem_.file.observables) read_observables(path);
     for (const auto& path : problem_.file.measurements) read_measurements(path);
+    add_captures();
     set_attitude_noise();
     for (const auto& path : problem_.file.conditions) read_conditions(path);
     for (const auto& [condition, captures] : captures_of_) {
@@ -59,6 +60,12 @@ class PetabTables {
   struct Cell {
     std::string text;
     int line;
+  };
+  using Key = std::pair<std::string, std::string>;               ///< condition and replicate
+  using Rows = std::map<double, std::map<std::string, double>>;  ///< by time and output
+  struct Series {
+    std::filesystem::path file;  ///< of its first row
+    std::vector<Rows> replicates = {};
   };
 
   void read_observables(const std::filesystem::path& path) {
@@ -137,6 +144,7 @@ class PetabTables {
                                    in_quotes(problem_.observables.at(first)), level));
     }
     settings_.attitude_noise = 2.0 * level;
+    for (const std::string& part : kQuaternionChannels) settings_.noise.erase(part);
   }
 
   void read_measurements(const std::filesystem::path& path) {
@@ -148,10 +156,6 @@ class PetabTables {
                noises = cells_or_empty(table, "noiseParameters"),
                replicates = cells_or_empty(table, "replicateId");
     const Eigen::VectorXd values = table.numbers("measurement"), times = table.numbers("time");
-    using Rows = std::map<double, std::map<std::string, double>>;  // by time and output
-    std::map<std::pair<std::string, std::string>, std::vector<Rows>> series;
-    std::vector<std::pair<std::string, std::string>> order;
-    std::map<std::pair<std::string, std::string>, int> words;  // cells that say that nothing was seen
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const auto at = static_cast<Eigen::Index>(row);
       if (!output_of_.contains(observables[row]))
@@ -166,33 +170,38 @@ class PetabTables {
       take_noise(table, row, observables[row], noises[row]);
       const std::pair key{conditions[row], replicates[row]};
       if (std::isnan(values[at])) {
-        if (!table.is_empty(row, "measurement")) ++words[key];
+        if (!table.is_empty(row, "measurement")) ++words_[key];
         continue;
       }
       if (std::abs(values[at]) > kLargestInput)
         throw table.error(row, fmt::format("the measurement is {}; at most {} in size was expected",
                                            values[at], kLargestInput));
-      if (!series.contains(key)) order.push_back(key);
-      std::vector<Rows>& repeated = series[key];
+      if (!series_.contains(key)) order_.push_back(key);
+      Series& series = series_.try_emplace(key, Series{.file = path}).first->second;
       const std::string& output = output_of_.at(observables[row]);
       // A measurement that stands again at the same time is of another replicate.
-      const auto place = std::ranges::find_if(repeated, [&](const Rows& rows) {
+      const auto place = std::ranges::find_if(series.replicates, [&](const Rows& rows) {
         const auto frame = rows.find(times[at]);
         return frame == rows.end() || !frame->second.contains(output);
       });
-      (place == repeated.end() ? repeated.emplace_back() : *place)[times[at]][output] = values[at];
+      Rows& rows = place == series.replicates.end() ? series.replicates.emplace_back() : *place;
+      rows[times[at]][output] = values[at];
     }
-    for (const auto& key : order) {
+  }
+
+  /// Rows of a condition may stand in several files, an observable in each.
+  void add_captures() {
+    for (const Key& key : order_) {
       const std::size_t first = problem_.captures.size();
-      for (const Rows& rows : series.at(key)) add_capture(path, key.first, rows);
-      if (const auto count = words.find(key); count != words.end())
+      const Series& series = series_.at(key);
+      for (const Rows& rows : series.replicates) add_capture(series.file, key.first, rows);
+      if (const auto count = words_.find(key); count != words_.end())
         problem_.captures[first].notes.push_back(
             fmt::format("{} cells with NaN or NA count as not seen", count->second));
     }
   }
 
-  void add_capture(const std::filesystem::path& path, const std::string& condition,
-                   const std::map<double, std::map<std::string, double>>& rows) {
+  void add_capture(const std::filesystem::path& path, const std::string& condition, const Rows& rows) {
     Capture capture;
     const std::size_t number = captures_of_[condition].size();
     capture.id = number == 0 ? condition : fmt::format("{} ({})", condition, number + 1);
@@ -375,6 +384,9 @@ class PetabTables {
   PetabSettings settings_;
   std::map<std::string, std::string> output_of_, noise_text_;  ///< by observable
   std::map<std::string, Cell> noise_formula_;
+  std::map<Key, Series> series_;
+  std::vector<Key> order_;
+  std::map<Key, int> words_;                                     ///< cells that say that nothing was seen
   std::map<std::string, std::vector<std::size_t>> captures_of_;  ///< of measured conditions
   std::set<std::string> conditions_;
   std::map<std::string, std::map<std::string, Cell>> set_in_conditions_;  ///< coordinate, condition

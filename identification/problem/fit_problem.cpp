@@ -126,6 +126,16 @@ const models::FamilyOutput& find_output(const models::FamilyInfo& family, const 
                                   family.model, name, suggestion(name, known)));
 }
 
+/// The numbers of an attitude are compared as one, so that what is said of one of them would have no effect.
+void require_compared_alone(const models::FamilyInfo& family, const std::string& field,
+                            const std::string& name, const std::string& instead) {
+  find_output(family, field, name);
+  if (!contains(family.attitude, name)) return;
+  throw ArgumentError(
+      fmt::format("{}: \"{}\" is a number of an attitude ({}), which is compared by its turn; {}", field,
+                  name, join(family.attitude), instead));
+}
+
 bool measure_attitude(const models::FamilyInfo& family, std::span<const Capture> captures) {
   const auto measured = [&](const std::string& name) {
     return std::ranges::all_of(captures, [&](const Capture& c) { return c.has(name); });
@@ -199,7 +209,8 @@ bool has_offset(const models::FamilyInfo& family, const FitOptions& options, con
 void assign_outputs(const models::FamilyInfo& family, std::span<const Capture> captures,
                     const FitOptions& options, FitProblem& problem) {
   const std::vector<models::FamilyOutput> chosen = choose_outputs(family, captures, options.compared.outputs);
-  for (const auto& [name, scale] : options.loss.scales) find_output(family, "loss.scale", name);
+  for (const auto& [name, scale] : options.loss.scales)
+    require_compared_alone(family, "loss.scale", name, "attitude_scale is its size");
   for (const models::FamilyOutput& output : chosen) {
     ComparedOutput compared{.name = output.name, .unit = output.unit, .period = period_of(output, options)};
     set_scale(output, captures, options, chosen.size() == 1, compared);
@@ -220,7 +231,8 @@ void assign_outputs(const models::FamilyInfo& family, std::span<const Capture> c
     problem.attitude_scale = options.loss.attitude_scale;
     problem.requested.insert(problem.requested.end(), family.attitude.begin(), family.attitude.end());
   }
-  for (const auto& [name, period] : options.compared.periods) find_output(family, "periods", name);
+  for (const auto& [name, period] : options.compared.periods)
+    require_compared_alone(family, "periods", name, "it has no period");
   if (!options.unknowns.offsets) return;
   for (const std::string& name : *options.unknowns.offsets) {
     if (contains(problem.offsets, name)) continue;

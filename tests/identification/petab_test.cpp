@@ -156,6 +156,7 @@ TEST_CASE("the noise of an attitude in PEtab is that of its four numbers, and it
     return parse_fit_config(config, "config", names);
   };
   CHECK(problem_with("0.01").loss.attitude_scale == Approx(0.02));
+  CHECK(problem_with("0.01").loss.scales.empty());  // a fit refuses one of a single number
   CHECK_THAT(error_of<samara::InputError>([&] { problem_with("0.02"); }),
              Contains("observables.tsv:5") && Contains("one level of the four numbers of an attitude"));
 }
@@ -175,6 +176,61 @@ TEST_CASE("conditions of a PEtab problem may have parameters of their own, and n
   CHECK(std::stod(values.at("v_slow")) == Approx(2.0).margin(0.06));
   CHECK(std::stod(values.at("v_fast")) == Approx(5.0).margin(0.06));
   CHECK(std::stod(values.at("sigma")) == Approx(0.02).margin(0.013));
+}
+
+TEST_CASE("measurements of a condition may stand in several files of a PEtab problem, and are one capture") {
+  DecayProblem problem;
+  problem.parameters += "v_slow\tlin\t0.5\t9\t3\t1\nv_fast\tlin\t0.5\t9\t3\t1\n";
+  problem.conditions = "conditionId\tv\nslow\tv_slow\nfast\tv_fast\n";
+  problem.measurements = DecayProblem::rows({{"slow", 2.0}, {"fast", 5.0}}, 0.02);
+  const FitReport one = problem.fit();
+  const FitRequest request = problem.request();
+  // Every second row in another file.
+  std::string parts[2];
+  std::istringstream lines(problem.measurements);
+  std::string line;
+  for (int k = 0; std::getline(lines, line); ++k) {
+    for (int part = 0; part < 2; ++part)
+      if (k == 0 || k % 2 == part) parts[part] += line + "\n";
+  }
+  problem.files.put("measurements.tsv", parts[0]);
+  problem.files.put("more.tsv", parts[1]);
+  problem.files.put(
+      "problem.yaml",
+      "format_version: 1\nparameter_file: parameters.tsv\nproblems:\n- condition_files: "
+      "[conditions.tsv]\n  measurement_files: [measurements.tsv, more.tsv]\n  observable_files: "
+      "[observables.tsv]\n");
+  const FitReport two = fit_files(request);
+  REQUIRE(two.fit.captures.size() == 2);
+  CHECK(two.fit.clusters == one.fit.clusters);
+  CHECK(found(two, "rate") == Approx(found(one, "rate")).epsilon(1e-6));
+  CHECK(*two.fit.coefficients[0].standard_error ==
+        Approx(*one.fit.coefficients[0].standard_error).epsilon(1e-4));
+}
+
+TEST_CASE("an angle of a PEtab problem is compared as it is, not around the circle") {
+  const TemporaryDirectory files;
+  const auto model = files.put("turn.toml",
+                               "name = \"turn\"\n[states]\ntheta = { initial = 0, unit = \"rad\" }\n"
+                               "[parameters]\nomega = { unit = \"rad/s\", above = 0 }\n[rates]\ntheta = "
+                               "\"omega\"\n");
+  // A whole turn more or less in each second: 7.5 - 2 pi would do as well around the circle.
+  constexpr double kRate = 7.5;
+  std::string measurements = "observableId\tsimulationConditionId\tmeasurement\ttime\n";
+  for (int k = 1; k <= 8; ++k) measurements += fmt::format("angle\tonly\t{}\t{}\n", kRate * k, k);
+  files.put("measurements.tsv", measurements);
+  files.put("conditions.tsv", "conditionId\nonly\n");
+  files.put("observables.tsv", "observableId\tobservableFormula\tnoiseFormula\nangle\ttheta\t0.05\n");
+  files.put("parameters.tsv",
+            "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\n"
+            "omega\tlin\t0.1\t10\t1\t1\n");
+  const auto problem =
+      files.put("problem.yaml",
+                "format_version: 1\nparameter_file: parameters.tsv\nproblems:\n- "
+                "condition_files: [conditions.tsv]\n  measurement_files: [measurements.tsv]\n"
+                "  observable_files: [observables.tsv]\n");
+  CHECK(found(fit_files({.source = model.string(), .captures = {problem}}), "omega") ==
+        Approx(kRate).epsilon(1e-6));
 }
 
 TEST_CASE("priors, parameters that are held and noise beside the measurements are taken from PEtab tables") {

@@ -1,6 +1,7 @@
 /// Fits of captures that are cut into segments.
 #include <catch2/catch.hpp>
 
+#include "files.h"
 #include "plate_captures.h"
 #include "residual_derivatives.h"
 #include "samara/base/errors.h"
@@ -16,6 +17,7 @@
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::identification;
+using Catch::Contains;
 using samara::models::find_model;
 
 namespace {
@@ -136,6 +138,19 @@ TEST_CASE("where segments are cut does not matter to the answer") {
     CHECK(std::abs(six.coefficients[k].value - ten.coefficients[k].value) < 0.01 * error);
     CHECK(ten.coefficients[k].naive_standard_error.value() == Approx(error).epsilon(0.02));
   }
+}
+
+TEST_CASE("what is said of a single number of an attitude is refused, since its turn is compared") {
+  const auto family = card_family();
+  const std::vector captures{card_capture()};
+  FitOptions scaled, averaged;
+  scaled.loss.scales["qy"] = 0.01;
+  averaged.compared.periods["qw"] = 1.0;
+  CHECK_THAT(error_of<samara::ArgumentError>([&] { make_problem(family->info(), captures, scaled); }),
+             Contains("loss.scale: \"qy\" is a number of an attitude (qw, qx, qy, qz)") &&
+                 Contains("attitude_scale is its size"));
+  CHECK_THAT(error_of<samara::ArgumentError>([&] { make_problem(family->info(), captures, averaged); }),
+             Contains("periods: \"qw\" is a number of an attitude"));
 }
 
 TEST_CASE("residuals and joins have the derivatives of differences, attitudes too") {
