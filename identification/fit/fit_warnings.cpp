@@ -168,7 +168,7 @@ void warn_about_errors(const Uncertainty& uncertainty, FitResult& result) {
   if (!has_naive)
     result.warnings.add(WarningKind::errors,
                         "there are no more values than unknowns: nothing says how large the noise is");
-  if (uncertainty.hessian_replaced) {
+  if (uncertainty.beyond_bend) {
     result.warnings.add(WarningKind::errors,
                         "too many residuals lie beyond the bend of the loss: the standard errors are rough; "
                         "a larger loss scale is advised");

@@ -143,9 +143,10 @@ struct ClusterParts {
 /// says so.
 ClusterParts cluster_parts(const FitProblem& problem, const Totals& sum, const std::vector<int>& free,
                            bool all_determined, bool& replaced) {
-  if (problem.cluster_count < 2 || free.empty()) return {};
+  if (free.empty()) return {};
   const Eigen::LLT<Eigen::MatrixXd> hessian(sum.full_hessian()(free, free).eval());
   replaced = !sum.hessian_usable || hessian.info() != Eigen::Success;
+  if (problem.cluster_count < 2) return {};
   const bool with_normal = replaced || !all_determined;
   if (with_normal && sum.mean_dpsi <= kLeastSlope) return {};
   ClusterParts clusters{.terms = {}, .priors = sum.priors(free, free)};
@@ -196,6 +197,17 @@ void add_released(const FitProblem& problem, const Totals& sum, const FitPoint& 
     result.released_variance[place] = errors.covariance(at, at);
     result.released_clusters[place] = effective_clusters(errors.shares.row(at).transpose());
   }
+}
+
+/// Whether so few residuals lie within the bend that their number says little, frames taken as independent.
+bool is_slope_rough(const FitProblem& problem, const std::vector<SegmentResidual>& residuals, double slope) {
+  constexpr double kRough = 0.25;
+  double squares = 0.0;
+  for (const SegmentResidual& residual : residuals) {
+    for (int row = 0; row < residual.data_size(); ++row)
+      squares += std::pow(loss_value(problem.loss, residual.residual()[row]).dpsi - slope, 2);
+  }
+  return slope <= kLeastSlope || std::sqrt(squares) > kRough * slope * problem.observation_count();
 }
 
 /// The Hessian of the cost where it is one of a minimum, else what stands in for it.
@@ -265,8 +277,9 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const Totals loose = add_up(problem, released, point, slope);
   const DeterminedInverse loose_inverse = invert_determined(loose.full_normal()(free, free), floor(free));
   result.naive = scattered(naive_covariance(loose, free, loose_inverse.inverse, variance), free, all);
+  bool hessian_replaced = false;
   const ClusterErrors clustered =
-      clustered_errors(problem, loose, free, loose_inverse.all_determined(), result.hessian_replaced);
+      clustered_errors(problem, loose, free, loose_inverse.all_determined(), hessian_replaced);
   result.clustered = scattered(clustered.covariance, free, all);
   result.cluster_shares = Eigen::MatrixXd::Zero(all, problem.cluster_count);
   result.cluster_shares(free, Eigen::all) = clustered.shares;
@@ -281,6 +294,13 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
           own_uncertainty(problem, terms[c], covariance, k, own, own_at_bounds(problem, own)));
     }
   }
+
+  // A Hessian that is singular because something is not determined says nothing of the loss.
+  const bool all_determined =
+      whole.all_determined() &&
+      std::ranges::all_of(terms, [](const MotionTerms& own) { return own.own_inverse.all_determined(); });
+  result.beyond_bend = problem.loss != LossKind::none &&
+                       ((hessian_replaced && all_determined) || is_slope_rough(problem, residuals, slope));
 
   std::vector<char> has_error = result.determined;
   for (std::size_t k = 0; k < has_error.size(); ++k) has_error[k] = has_error[k] && !result.at_bound[k];

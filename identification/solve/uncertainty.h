@@ -31,8 +31,9 @@ struct Uncertainty {
   std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse
   /// Sets that only priors determine, in the same form; the captures alone would not.
   std::vector<std::vector<int>> sets_held_by_priors;
-  /// The Hessian of the loss was no use (too many residuals beyond its bend): mean(psi') J^T J stood in.
-  bool hessian_replaced = false;
+  /// So many residuals lie beyond the bend of the loss that its Hessian is no use, and mean(psi') J^T J stood in, or
+  /// that mean(psi') itself, by which errors are divided, is known to no better than a quarter.
+  bool beyond_bend = false;
   std::vector<OwnUncertainty> own;  ///< per segment
   /// Second derivative of the cost by the shared unknowns, the own ones eliminated: psi' J J^T, or mean(psi')
   /// J^T J where that is not positive.

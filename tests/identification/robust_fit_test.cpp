@@ -31,3 +31,24 @@ TEST_CASE("robust losses resist outliers that ruin the plain fit") {
   CHECK(error(LossKind::soft_l1) < 0.3 * plain);
   CHECK(error(LossKind::cauchy) < 0.05);
 }
+
+TEST_CASE("a loss that bends far within the noise is told of, and no other") {
+  const auto family = coin_family();
+  std::mt19937_64 random(8);
+  std::vector<Capture> captures{coin_capture("drop", 1.15, 0.1, 0.0)};
+  constexpr double kNoise = 1e-3;
+  add_noise(captures.back(), kNoise, random);
+  const auto is_told = [&](LossKind kind, double scale) {
+    FitOptions options;
+    options.loss.kind = kind;
+    options.loss.length_scale = scale;
+    const FitResult result = fit(*family, captures, options);
+    CHECK(result.status == samara::Termination::converged);
+    return result.warnings.has(WarningKind::errors, "too many residuals lie beyond the bend of the loss");
+  };
+  CHECK(is_told(LossKind::huber, 0.1 * kNoise));
+  CHECK(is_told(LossKind::cauchy, 0.1 * kNoise));
+  CHECK_FALSE(is_told(LossKind::huber, 1.345 * kNoise));
+  CHECK_FALSE(is_told(LossKind::cauchy, 2.385 * kNoise));
+  CHECK_FALSE(is_told(LossKind::none, 0.1 * kNoise));
+}
