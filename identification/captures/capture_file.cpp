@@ -20,6 +20,7 @@
 #include "samara/identification/captures/impact.h"
 #include "samara/identification/captures/number_cells.h"
 #include "samara/identification/captures/sidecar.h"
+#include "samara/io/checksum.h"
 #include "samara/io/text_file.h"
 
 namespace samara::identification {
@@ -41,7 +42,11 @@ void check_is_text(const std::filesystem::path& path) {
 /// @param shared the sidecar of all tables; empty: there is none
 Sidecar find_sidecar(const std::filesystem::path& path, const std::filesystem::path& shared = {}) {
   if (!is_table(path)) return read_sidecar(path);
-  if (!shared.empty()) return read_sidecar(shared, path);
+  if (!shared.empty()) {
+    Sidecar sidecar = read_sidecar(shared, path);
+    sidecar.is_shared = true;
+    return sidecar;
+  }
   const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".toml");
   std::error_code ignored;
   if (std::filesystem::is_regular_file(beside, ignored)) {
@@ -87,16 +92,35 @@ std::vector<Capture> read_exported(const Export& exported, const Sidecar& sideca
   return captures;
 }
 
-std::vector<Capture> read_table(const Sidecar& sidecar) {
+std::string read_table_text(const Sidecar& sidecar) {
   if (sidecar.document && sidecar.document->has("file")) require_file(sidecar, "", sidecar.table);
-  const std::string text = io::read_text_file(sidecar.table, {.expected = kTable});
-  if (sidecar.header.empty()) {
-    if (const auto exported = read_export(text, {.file = sidecar.table.string(),
-                                                 .length_unit = sidecar.length_unit,
-                                                 .time_unit = sidecar.time_unit,
-                                                 .has_columns = !sidecar.columns.empty()}))
-      return read_exported(*exported, sidecar);
+  return io::read_text_file(sidecar.table, {.expected = kTable});
+}
+
+/// Where columns say their units, nothing would come of those that a sidecar names for an export without any.
+void refuse_units_of_export(const Sidecar& sidecar) {
+  for (const auto& [key, unit] :
+       {std::pair{"length_unit", &sidecar.length_unit}, std::pair{"time_unit", &sidecar.time_unit}}) {
+    if (!*unit) continue;
+    throw sidecar.error(
+        "", key,
+        fmt::format("\"{}\" is for an export that names no units, and \"{}\" is read by its columns; their "
+                    "units in the header, as in x[mm], or in [columns], were expected",
+                    **unit, sidecar.table.filename().string()));
   }
+}
+
+std::vector<Capture> read_table(const std::string& text, const Sidecar& sidecar) {
+  std::optional<Export> exported;
+  if (sidecar.header.empty()) {
+    exported = read_export(text, {.file = sidecar.table.string(),
+                                  .length_unit = sidecar.length_unit,
+                                  .time_unit = sidecar.time_unit,
+                                  .has_columns = !sidecar.columns.empty()});
+  }
+  const bool is_shared = sidecar.is_shared || sidecar.tables.size() > 1;  // others may be exports
+  if (!is_shared && (!exported || !sidecar.columns.empty())) refuse_units_of_export(sidecar);
+  if (exported) return read_exported(*exported, sidecar);
   return captures_from_table(io::DelimitedTable::parse(text, sidecar.table.string(),
                                                        {sidecar.delimiter, sidecar.header, sidecar.decimal}),
                              sidecar);
@@ -206,7 +230,12 @@ std::vector<Capture> read_all(Sidecar sidecar) {
   std::vector<Capture> captures;
   for (const std::filesystem::path& table : sidecar.tables) {
     sidecar.table = table;
-    for (Capture& capture : read_table(sidecar)) captures.push_back(std::move(capture));
+    const std::string text = read_table_text(sidecar);
+    const std::string checksum = fmt::format("{:016x}", io::fnv1a(text));
+    for (Capture& capture : read_table(text, sidecar)) {
+      capture.checksum = checksum;
+      captures.push_back(std::move(capture));
+    }
   }
   if (sidecar.labels) {
     add_labels(captures, sidecar);

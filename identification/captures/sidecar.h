@@ -57,6 +57,7 @@ struct LabelTable {
 struct Sidecar {
   std::filesystem::path table = {};
   std::vector<std::filesystem::path> tables = {};  ///< those that `table` stands for, if it is a pattern
+  bool is_shared = false;                          ///< whether it is the sidecar of other tables, too
   std::vector<std::string> header = {};            ///< names of the columns of a file without a header
   char delimiter = 0;                              ///< 0: found from the header
   char decimal = 0;                                ///< '.' or ','; 0: found from the cells

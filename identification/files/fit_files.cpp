@@ -183,21 +183,24 @@ CaptureSplit read_split(const FitRequest& request, const FitSource& source) {
   });
 }
 
-/// Nothing is fitted but what is each capture's own.
+/// Nothing is fitted but what is each capture's own: of the fit that gave the coefficients nothing is repeated but
+/// those, and how captures were seen.
 FitResult predicted(const FitRequest& request, const FitSource& source, const std::vector<Capture>& left_out,
                     const PredictionOptions& prediction) {
-  FitResult result = *source.coefficients;
-  add_predictions(*source.family, left_out, source.options, prediction, result);
-  result.status = Termination::converged;
-  result.message = fmt::format("nothing was fitted; coefficients from {}", request.coefficients.string());
+  FitResult given = *source.coefficients;
+  add_predictions(*source.family, left_out, source.options, prediction, given);
+  FitResult result{
+      .status = Termination::converged,
+      .message = fmt::format("nothing was fitted; coefficients from {}", request.coefficients.string())};
+  result.warnings = std::move(given.warnings);
+  result.setup = std::move(given.setup);
+  result.predictions = std::move(given.predictions);
+  result.capture_predictions = std::move(given.capture_predictions);
   result.model = source.family->info().model;
   result.source = source.family->info().source;
   result.loss = to_string(source.options.loss.kind);
   result.fixed = source.family->info().fixed;
-  for (const Coefficient& c : result.coefficients) result.fixed[c.name] = c.value;
-  result.coefficients.clear();
-  result.captures.clear();
-  result.noise.clear();
+  for (const Coefficient& c : given.coefficients) result.fixed[c.name] = c.value;
   return result;
 }
 

@@ -189,6 +189,7 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
     }
     CaptureFit capture{.id = motion.id,
                        .file = motion.file,
+                       .checksum = motion.checksum,
                        .whole = motion.whole,
                        .labels = motion.labels,
                        .notes = motion.notes,

@@ -258,9 +258,32 @@ void check_views(const models::TrajectoryFamily& family, std::span<const Capture
         "two level components; lengths x, y and z, and no other, were expected to be predicted");
 }
 
-void refuse_fitted(const std::string& whole, const std::string& file, std::span<const Capture> left_out) {
+namespace {
+
+/// In a sentence each, captures whose table has the name of one that was fitted, and other contents.
+std::vector<std::string> changed_tables(const FitResult& fitted, std::span<const Capture> left_out) {
+  std::vector<std::string> sentences;
   for (const Capture& capture : left_out) {
-    if (capture.whole() != whole || capture.file.empty() || !is_same_file(capture.file, file)) continue;
+    const auto is_namesake = [&](const CaptureFit& c) {
+      return c.whole == capture.whole() && !c.checksum.empty() && is_same_file(capture.file, c.file);
+    };
+    if (capture.checksum.empty() || std::ranges::none_of(fitted.captures, is_namesake)) continue;
+    sentences.push_back(fmt::format(
+        "\"{}\" has the name of a table that was fitted, and other contents: if capture \"{}\" is of "
+        "the same motion, its predictions look too good",
+        capture.file, capture.whole()));
+  }
+  return sentences;
+}
+
+}  // namespace
+
+void refuse_fitted(const std::string& whole, const std::string& file, const std::string& checksum,
+                   std::span<const Capture> left_out) {
+  for (const Capture& capture : left_out) {
+    if (capture.whole() != whole || capture.file.empty()) continue;
+    const bool is_known = !checksum.empty() && !capture.checksum.empty();
+    if (is_known ? capture.checksum != checksum : !is_same_file(capture.file, file)) continue;
     throw InputError(capture.file, fmt::format("capture \"{}\" is fitted as well as left out; captures that "
                                                "the fit does not see were expected",
                                                whole));
@@ -273,7 +296,7 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
   check_prediction(family.info(), options, prediction);
   refuse_repeated(left_out, "left out");
   if (fitted.status == Termination::failed || left_out.empty()) return {};
-  for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
+  for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, c.checksum, left_out);
   const FitOptions held = holding(family.info(), fitted, options, prediction);
   check_views(family, left_out, held, prediction);
   const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
@@ -285,6 +308,7 @@ PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitRe
   }
   const std::vector<int> clusters = clusters_left_out(parts, options.uncertainty.cluster_by);
   PredictedCaptures outcome{.compared = quantities(family, predicted, held)};
+  outcome.add_sentences(changed_tables(fitted, left_out));
   add_capture_predictions(family, std::span(parts).first(count), clusters, predicted, held, prediction,
                           outcome);
   outcome.along.resize(parts.size() - count);

@@ -44,9 +44,11 @@ void check_prediction(const models::FamilyInfo& family, const FitOptions& option
 void check_views(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                  const FitOptions& options, const PredictionOptions& prediction);
 
-/// @param whole, file of a capture that is fitted, in part or all
+/// @param whole, file, checksum of a capture that is fitted, in part or all: its table is known by its bytes, and
+///   by the name of the file where the fit does not tell them
 /// @throws InputError where it, or a part of it, is among those left out
-void refuse_fitted(const std::string& whole, const std::string& file, std::span<const Capture> left_out);
+void refuse_fitted(const std::string& whole, const std::string& file, const std::string& checksum,
+                   std::span<const Capture> left_out);
 
 /// @param wants_along whether spans all along the captures are wanted
 PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitResult& fitted,

@@ -120,7 +120,8 @@ void check_left_out(const models::TrajectoryFamily& family, std::span<const Capt
   for (const Capture& capture : left_out) check_capture(capture, problem);
   for (const std::span<const Capture> all : {captures, left_out})
     check_views(family, all, options, prediction);
-  for (const Capture& capture : captures) refuse_fitted(capture.whole(), capture.file, left_out);
+  for (const Capture& capture : captures)
+    refuse_fitted(capture.whole(), capture.file, capture.checksum, left_out);
 }
 
 std::vector<PredictionScore> predict_left_out(const models::TrajectoryFamily& family, const FitResult& fitted,

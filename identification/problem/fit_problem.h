@@ -72,7 +72,7 @@ struct Segment {
 
 /// A capture as the fit sees it: its segments follow one another.
 struct Motion {
-  std::string id, file;
+  std::string id, file, checksum;
   std::string whole;  ///< id of the capture of which it is all, or a span
   std::map<std::string, std::string> labels;
   std::vector<std::string> notes = {};

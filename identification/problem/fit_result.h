@@ -63,7 +63,8 @@ struct OutputRms {
 struct CaptureFit {
   std::string id = {};
   std::string file = {};
-  std::string whole = {};  ///< id of the capture of which it is all, or a span
+  std::string checksum = {};  ///< of the bytes of the file; empty: not known
+  std::string whole = {};     ///< id of the capture of which it is all, or a span
   std::map<std::string, std::string> labels = {};
   std::vector<std::string> notes = {};       ///< what reading and cleaning did to it
   std::map<std::string, double> known = {};  ///< values of UnknownOptions::known, SI

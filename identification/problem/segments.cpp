@@ -188,6 +188,7 @@ void add_motion(const models::FamilyInfo& family, const Capture& capture, const 
 
   Motion motion{.id = capture.id,
                 .file = capture.file,
+                .checksum = capture.checksum,
                 .whole = capture.motion.empty() ? capture.id : capture.motion,
                 .labels = capture.labels,
                 .notes = capture.notes,

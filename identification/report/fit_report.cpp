@@ -66,6 +66,7 @@ Json json_of(const CaptureFit& capture) {
   }
   return {{"id", capture.id},
           {"file", capture.file},
+          {"checksum", capture.checksum},
           {"whole", capture.whole},
           {"labels", capture.labels},
           {"notes", capture.notes},

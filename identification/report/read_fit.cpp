@@ -56,8 +56,10 @@ Eigen::MatrixXd matrix_of(const ParsedJson& object, const char* key) {
 
 CaptureFit capture_of(const ParsedJson& object) {
   const auto id = object.at("id").get<std::string>();
-  CaptureFit capture{
-      .id = id, .file = object.at("file").get<std::string>(), .whole = object.value("whole", id)};
+  CaptureFit capture{.id = id,
+                     .file = object.at("file").get<std::string>(),
+                     .checksum = object.value("checksum", ""),
+                     .whole = object.value("whole", id)};
   capture.start = number_of(object, "start").value_or(0.0);
   if (object.contains("known")) capture.known = object.at("known").get<std::map<std::string, double>>();
   if (object.contains("nuisances")) {

@@ -196,6 +196,8 @@ class Fits(Case):
         self.assertEqual(alone.returncode, 0, alone.stderr)
         answer = json.loads(alone.stdout)
         self.assertEqual((answer["coefficients"], answer["captures"]), ([], []))
+        # Nothing of the fit that gave them is told as if it were this one's.
+        self.assertEqual([answer[key] for key in ("covariance", "clusters", "residuals", "residual_count", "cost", "whiteness")], [[], 0, [], 0, 0.0, None])
         self.assertEqual(answer["fixed"]["C_D"], value)
         self.assertEqual(answer["predictions"], json.loads(together.stdout)["predictions"])
         # A model holds what its config has no box for.
@@ -213,6 +215,14 @@ class Fits(Case):
         self.assertIn('coefficients of the model "quadratic_drag_fall"; here they are those of "vertical_fall"', doubted.stderr)
         self.assertEqual(json.loads(doubted.stdout)["model"], "vertical_fall")
         self.check_error(run("fit", path, "--coefficients", fitted, "--left-out", capture, *times), 3, "fitted as well as left out")
+        # Wherever it lies, and by its frames: another one in its place was not fitted.
+        (FOLDER / "moved").mkdir()
+        moved = write("moved/fall.csv", capture.read_text())
+        self.check_error(run("fit", path, "--coefficients", fitted, "--left-out", moved, *times), 3, "fitted as well as left out")
+        write("fall.csv", moved.read_text() + "0.4,0.35\n")
+        another = run("fit", path, "--coefficients", fitted, "--left-out", capture, *times)
+        self.assertEqual(another.returncode, 0)
+        self.assertIn("has the name of a table that was fitted, and other contents", another.stderr)
         self.check_error(run("fit", path, "--coefficients", fitted), 2, "CAPTURE", "--left-out")
         self.check_error(run("fit", path, "--coefficients", fitted, "--left-out", unseen, *times, "--profiles"), 2, "--profiles")
         self.check_error(run("fit", path, capture, "--coefficients", capture), 3, "fall.csv", "JSON of a fit")

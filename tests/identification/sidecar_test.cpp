@@ -190,6 +190,7 @@ TEST_CASE("pieces between long gaps belong to one motion") {
   CHECK(pieces[1].frame_count() == 19);
   CHECK(pieces[0].motion == "card");
   CHECK(pieces[1].motion == "card");
+  CHECK(pieces[1].times[0] == Approx(0.21));  // of the whole
   CHECK(read_captures(files.put("card.toml",
                                 "file = \"card.csv\"\nleast_frames = 15\n[clean]\nlongest_gap = "
                                 "\"35 ms\"\n"))
@@ -367,5 +368,30 @@ TEST_CASE("a scale over no length, or a negative one, is refused") {
                   length + "\", over = \"largest - first\" }\n");
     CHECK_THAT(reading_error(files.path() / "drop.csv"),
                Catch::StartsWith("drop.toml:5") && Catch::Contains("more than 0 was expected"));
+  }
+}
+
+TEST_CASE("a unit for exports is refused where columns say theirs, which it would not change") {
+  const TemporaryDirectory files;
+  files.put("drop.csv", "t[s],x[m]\n0,0\n1,1\n2,4\n");
+  for (const std::string key : {"time_unit = \"ms\"", "length_unit = \"mm\""}) {
+    files.put("drop.toml", key + "\n");
+    CHECK_THAT(reading_error(files.path() / "drop.csv"),
+               Catch::StartsWith("drop.toml:1: " + key.substr(0, key.find(' ')) + ": \"m") &&
+                   Catch::Contains("\"drop.csv\" is read by its columns"));
+    // Other tables of a sidecar may be exports.
+    files.put("shared.toml", key + "\n");
+    CHECK(read_captures(files.path() / "drop.csv", files.path() / "shared.toml").size() == 1);
+  }
+  // Of an export whose columns a sidecar names, and of a table that has no header.
+  const std::string columns =
+      "[columns]\nt = { quantity = \"t\", unit = \"s\" }\nx = { quantity = \"x\", unit = \"cm\" }\n";
+  files.put("mass.txt", "mass_A\nt\tx\n0\t1\n1\t2\n2\t3\n");
+  files.put("bare.csv", "0;1\n1;2\n2;3\n");
+  for (const std::string table :
+       {"file = \"mass.txt\"\n", "file = \"bare.csv\"\nheader = [\"t\", \"x\"]\n"}) {
+    CHECK(read_captures(files.put("a.toml", table + columns)).front().channel("x").values[2] == 0.03);
+    CHECK_THAT(reading_error(files.put("a.toml", table + "length_unit = \"m\"\n" + columns)),
+               Catch::Contains(": length_unit: \"m\" is for an export that names no units"));
   }
 }
