@@ -41,9 +41,9 @@ struct FollowArguments {
   bool json = false;
 };
 
-/// SI; 0 where the command does not say.
-double amount_of(const std::string& option, const std::string& text, const std::string& unit) {
-  if (text.empty()) return 0.0;
+/// SI; empty where the command does not say.
+std::optional<double> amount_of(const std::string& option, const std::string& text, const std::string& unit) {
+  if (text.empty()) return {};
   const double value = number_or_quantity(option, text, unit);
   if (value >= 0.0 && std::isfinite(value)) return value;
   throw ArgumentError(fmt::format("{} is {}; 0 or more was expected", option, text));
@@ -72,11 +72,11 @@ id::FollowRequest request_of(const FollowArguments& arguments) {
                             .track = arguments.track,
                             .sidecar = arguments.sidecar,
                             .config = arguments.config,
-                            .ahead = amount_of("--ahead", arguments.ahead, "s"),
+                            .ahead = amount_of("--ahead", arguments.ahead, "s").value_or(0.0),
+                            .step = amount_of("--step", arguments.step, "s"),
                             .start_frames = arguments.start_frames,
                             .progress = progress_line()};
   request.training.assign(arguments.training.begin(), arguments.training.end());
-  if (!arguments.step.empty()) request.step = amount_of("--step", arguments.step, "s");
   request.noise.velocity = amount_of("--velocity-noise", arguments.velocity_noise, "m/s");
   request.noise.rate = amount_of("--rate-noise", arguments.rate_noise, "rad/s");
   request.noise.spread = amount_of("--spread", arguments.spread, "1");
@@ -126,12 +126,13 @@ void add_follow(CLI::App& app, Arguments& arguments) {
                       "of the fit, TOML: where [known] finds values of the capture, and the step");
   command->add_option("--ahead", values->ahead,
                       "also forecast so far beyond every frame, s or with a unit: a mean and a band of 90 %");
-  command->add_option(
-      "--train", values->training,
-      "captures on which the noise of model and frames, spread and drift are chosen, one or more");
+  command->add_option("--train", values->training,
+                      "captures on which the noise of model and frames, spread and drift are chosen, but for "
+                      "what is given of these; one or more");
   command
-      ->add_option("--noise", values->noise,
-                   "of frames of an output, NAME=VALUE; default: what the fit found")
+      ->add_option(
+          "--noise", values->noise,
+          "of frames of an output, NAME=VALUE; default: what the fit found; --train finds a factor of it")
       ->allow_extra_args(false);
   command->add_option(
       "--velocity-noise", values->velocity_noise,

@@ -1,6 +1,7 @@
 #include "samara/identification/files/follow_files.h"
 
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include "samara/codebooks/model/model_file.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/files/fit_source.h"
+#include "samara/identification/following/noise_search.h"
 #include "samara/identification/problem/fit_config.h"
 #include "samara/identification/report/read_fit.h"
 
@@ -73,13 +75,21 @@ NoiseChoice chosen_noise(const std::shared_ptr<const models::Model>& model, cons
   std::vector<FollowOptions> options;
   for (const Capture& capture : captures)
     options.push_back(requested_options(*model, fitted, capture, request));
-  NoiseSearch search{.ahead = request.ahead, .stride = 0.5 * request.ahead, .progress = request.progress};
-  search.start.noise_factor = request.noise.noise_factor;
-  for (double NoiseChoice::*const number :
-       {&NoiseChoice::velocity, &NoiseChoice::rate, &NoiseChoice::spread, &NoiseChoice::drift}) {
-    if (request.noise.*number > 0.0) search.start.*number = request.noise.*number;
-  }
-  return choose_noise(model, options, captures, search);
+  const NoiseSearch search{
+      .ahead = request.ahead, .stride = 0.5 * request.ahead, .progress = request.progress};
+  return choose_noise(model, options, captures, without_given(search, request.noise));
+}
+
+/// Such noise would change nothing, and the model be taken as exact without a word.
+void refuse_noise_of_no_state(const FollowReport& report) {
+  const auto refuse_given = [&](const std::optional<double>& given, const char* of, const char* unit) {
+    if (given.value_or(0.0) == 0.0) return;
+    throw ArgumentError(fmt::format(
+        "the noise of {} is {} {} per root of a second, but \"{}\" has no state in {}; none was expected", of,
+        *given, unit, report.model, unit));
+  };
+  if (!report.has_velocities) refuse_given(report.given.velocity, "velocities (--velocity-noise)", "m/s");
+  if (!report.has_rates) refuse_given(report.given.rate, "rates (--rate-noise)", "rad/s");
 }
 
 }  // namespace
@@ -87,12 +97,18 @@ NoiseChoice chosen_noise(const std::shared_ptr<const models::Model>& model, cons
 FollowReport follow_files(const FollowRequest& request) {
   FitResult fitted = read_fit(request.fit);
   const auto model = followed_model(request.source);
-  FollowReport report{.model = model->info().name, .source = request.source, .noise = request.noise};
+  FollowReport report{.model = model->info().name,
+                      .source = request.source,
+                      .noise = as_given(request.noise),
+                      .given = request.noise,
+                      .has_velocities = has_noise(model->info(), &ModelNoise::velocity),
+                      .has_rates = has_noise(model->info(), &ModelNoise::rate)};
   if (fitted.model != report.model) {
     throw InputError(request.fit.string(),
                      fmt::format("it is a fit of the model \"{}\"; one of \"{}\" was expected", fitted.model,
                                  report.model));
   }
+  refuse_noise_of_no_state(report);
   if (!fitted.is_usable())
     report.warnings.add(WarningKind::source, fmt::format("{}: {}", request.fit.string(), fitted.message));
   report.warnings.add_all(warnings_of_coefficients(*model, fitted));
@@ -115,7 +131,8 @@ FollowReport follow_files(const FollowRequest& request) {
   if (!request.training.empty()) {
     report.noise = chosen_noise(model, fitted, tracks.front(), request);
     report.noise_was_chosen = true;
-  } else if (request.noise.velocity == 0.0 && request.noise.rate == 0.0) {
+  }
+  if (report.noise.velocity == 0.0 && report.noise.rate == 0.0) {
     report.warnings.add(
         WarningKind::errors,
         "the model is taken as exact; errors hold where it is (captures to train on choose how far it is "

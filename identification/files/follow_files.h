@@ -26,8 +26,9 @@ struct FollowRequest {
   /// Captures on which noise is chosen, not the track among them; empty: as given.
   std::vector<std::filesystem::path> training = {};
   double ahead = 0.0;  ///< s; 0: no forecasts
-  /// As given where it is not chosen, and where the choice begins; all 0 but the factor: the model is exact.
-  NoiseChoice noise = {.velocity = 0.0, .rate = 0.0, .spread = 0.0, .drift = 0.0};
+  /// Held, whatever training captures choose of the rest. What is neither given nor chosen is 0, and without noise of
+  /// velocities and rates the model is exact.
+  GivenNoise noise = {};
   /// Noise of outputs, or of the "attitude", SI, in place of the fit's, once names and units are known. Empty: none.
   std::function<std::map<std::string, double>(const models::ModelInfo& model)> frame_noise = {};
   std::optional<double> step = {};  ///< s, of Runge-Kutta steps
@@ -35,7 +36,8 @@ struct FollowRequest {
   ProgressCallback progress = {};
 };
 
-/// @throws ArgumentError for a request that makes no sense; InputError naming the file for everything wrong in one.
+/// @throws ArgumentError for a request that makes no sense, and for noise that no state of the model has; InputError
+/// naming the file for everything wrong in one.
 FollowReport follow_files(const FollowRequest& request);
 
 }  // namespace samara::identification

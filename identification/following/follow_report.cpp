@@ -3,8 +3,11 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "samara/base/rounded.h"
@@ -84,6 +87,24 @@ bool speak_against_model(const Innovations& innovations) {
          innovations.beyond > kMost * innovations.frames;
 }
 
+std::string noise_text(const FollowReport& report) {
+  const NoiseChoice& noise = report.noise;
+  const GivenNoise& given = report.given;
+  const auto shown = [&](double number, const char* unit, const std::optional<double>& said) {
+    return fmt::format("{:.3g}{}{}", number, unit, report.noise_was_chosen && said ? " (given)" : "");
+  };
+  std::vector<std::string> of_model;
+  if (report.has_velocities)
+    of_model.push_back("of velocities " + shown(noise.velocity, " m/s", given.velocity));
+  if (report.has_rates) of_model.push_back("of rates " + shown(noise.rate, " rad/s", given.rate));
+  return fmt::format(
+      "noise of frames times {}{}{}{}; coefficients differ by {} and drift by {} per root of a second: {}\n",
+      shown(noise.noise_factor, "", given.noise_factor), of_model.empty() ? "" : ", ",
+      fmt::join(of_model, " and "), of_model.empty() ? "" : " per root of a second",
+      shown(noise.spread, "", given.spread), shown(noise.drift, "", given.drift),
+      report.noise_was_chosen ? "chosen on captures to train" : "as given");
+}
+
 }  // namespace
 
 bool is_followed_to_end(const FollowReport& report) {
@@ -130,12 +151,7 @@ std::string follow_text(const FollowReport& report) {
     fmt::format_to(out, "innovations squared are {:.3g} times what was expected of {} values\n",
                    innovations.ratio(), innovations.values);
   }
-  fmt::format_to(out,
-                 "noise of frames times {:.3g}, of velocities {:.3g} m/s and of rates {:.3g} rad/s per root "
-                 "of a second; "
-                 "coefficients differ by {:.3g} and drift by {:.3g} per root of a second: {}\n",
-                 report.noise.noise_factor, report.noise.velocity, report.noise.rate, report.noise.spread,
-                 report.noise.drift, report.noise_was_chosen ? "chosen on captures to train" : "as given");
+  text += noise_text(report);
   const Eigen::Index row = last_followed(motion);
   if (row < 0) {
     return text;

@@ -14,7 +14,10 @@ struct FollowReport {
   std::string model = {}, source = {};  ///< by name; and as the caller called it
   FollowedMotion motion = {};
   NoiseChoice noise = {};
-  bool noise_was_chosen = false;  ///< on training captures; else given
+  bool noise_was_chosen = false;  ///< on training captures, as far as it was not given; else given
+  GivenNoise given = {};
+  /// Whether states of the model have such units: else noise of velocities, or of rates, is none, and not told of.
+  bool has_velocities = true, has_rates = true;
   Warnings warnings = {};
 };
 

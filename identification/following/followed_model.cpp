@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
+#include "samara/base/units.h"
 #include "samara/identification/problem/chart.h"
 #include "samara/models/integrators/rotations.h"
 
@@ -103,6 +104,13 @@ Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& rotation) {
   return Eigen::Matrix3d::Identity() - first * cross + second * cross * cross;
 }
 
+double ModelNoise::*noise_by_unit(const models::StateInfo& state) {
+  if (!is_coherent_si(state.unit)) return nullptr;  // a unit of the model's own, such as a number of animals
+  if (same_dimension(state.unit, "m/s")) return &ModelNoise::velocity;
+  if (same_dimension(state.unit, "rad/s")) return &ModelNoise::rate;
+  return nullptr;
+}
+
 FollowedModel::FollowedModel(std::shared_ptr<const models::Model> model, const FollowOptions& options)
     : options_(options),
       equations_(free_model(std::move(model), options)),
@@ -187,9 +195,8 @@ void FollowedModel::resolve_noise() {
   for (Eigen::Index i = 0; i < states_; ++i) {
     if (attitude_ && i >= *attitude_ && i < *attitude_ + 4) continue;
     const models::StateInfo& state = states[static_cast<std::size_t>(i)];
-    double noise = state.unit == "m/s"                            ? options_.model_noise.velocity
-                   : state.unit == "rad/s" || state.unit == "1/s" ? options_.model_noise.rate
-                                                                  : 0.0;
+    const auto by_unit = noise_by_unit(state);
+    double noise = by_unit != nullptr ? options_.model_noise.*by_unit : 0.0;
     const auto given = options_.model_noise.states.find(state.name);
     if (given != options_.model_noise.states.end()) noise = given->second;
     noise_rates_[error_of_state(i)] = noise * noise;

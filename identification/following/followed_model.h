@@ -14,6 +14,9 @@
 /// Internal to identification/: what is followed, with all names resolved.
 namespace samara::identification {
 
+/// The noise of the model that a state has by its unit; null: none.
+double ModelNoise::*noise_by_unit(const models::StateInfo& state);
+
 /// What is seen of a state: one of its numbers, or an output that follows from them.
 struct SeenOutput {
   std::string name = {};

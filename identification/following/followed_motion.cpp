@@ -12,6 +12,7 @@
 #include "samara/base/names.h"
 #include "samara/base/require.h"
 #include "samara/base/unit_labels.h"
+#include "samara/identification/following/followed_model.h"
 #include "samara/identification/problem/known_so_far.h"
 #include "samara/identification/problem/known_values.h"
 #include "samara/identification/problem/measurement.h"
@@ -231,7 +232,7 @@ FollowOptions follow_options(const models::Model& model, const FitResult& fitted
   add_coefficients(info, fitted, options);
   // What turns a round body about its axis cannot be seen, and must not wander.
   for (const models::StateInfo& state : info.states) {
-    const bool is_rate = state.unit == "rad/s" || state.unit == "1/s";
+    const bool is_rate = noise_by_unit(state) == &ModelNoise::rate;
     if (options.round_body && is_rate && options.fixed.contains(state.name + kInitial))
       options.model_noise.states[state.name] = 0.0;
   }

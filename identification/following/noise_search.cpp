@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -22,6 +23,20 @@ namespace {
 constexpr double kSameFrame = 1e-6;
 /// A forecast that fails, or is off by more, counts as one so unlikely: one of them must not decide.
 constexpr double kLeastDensity = -50.0;
+
+/// A number, what is said of it, and whether it is looked for.
+struct SearchedNumber {
+  double NoiseChoice::*number;
+  std::optional<double> GivenNoise::*given;
+  bool NoiseSearch::*is_sought;
+  double ModelNoise::*noise = nullptr;  ///< that it becomes; null: another number
+};
+constexpr SearchedNumber kNumbers[] = {
+    {&NoiseChoice::noise_factor, &GivenNoise::noise_factor, &NoiseSearch::finds_noise_factor},
+    {&NoiseChoice::velocity, &GivenNoise::velocity, &NoiseSearch::finds_velocity, &ModelNoise::velocity},
+    {&NoiseChoice::rate, &GivenNoise::rate, &NoiseSearch::finds_rate, &ModelNoise::rate},
+    {&NoiseChoice::spread, &GivenNoise::spread, &NoiseSearch::finds_spread},
+    {&NoiseChoice::drift, &GivenNoise::drift, &NoiseSearch::finds_drift}};
 
 struct Score {
   double sum = 0.0;
@@ -96,6 +111,28 @@ Score score_capture(const std::shared_ptr<const models::Model>& model, const Fol
 
 }  // namespace
 
+NoiseChoice as_given(const GivenNoise& given) {
+  NoiseChoice choice{.velocity = 0.0, .rate = 0.0, .spread = 0.0, .drift = 0.0};
+  for (const SearchedNumber& one : kNumbers)
+    choice.*one.number = (given.*one.given).value_or(choice.*one.number);
+  return choice;
+}
+
+NoiseSearch without_given(NoiseSearch search, const GivenNoise& given) {
+  for (const SearchedNumber& one : kNumbers) {
+    const std::optional<double>& value = given.*one.given;
+    if (!value) continue;
+    search.start.*one.number = *value;
+    search.*one.is_sought = false;
+  }
+  return search;
+}
+
+bool has_noise(const models::ModelInfo& info, double ModelNoise::*noise) {
+  return std::ranges::any_of(info.states,
+                             [&](const models::StateInfo& state) { return noise_by_unit(state) == noise; });
+}
+
 FollowOptions with_noise(FollowOptions options, const NoiseChoice& choice) {
   for (auto& [name, noise] : options.noise) noise *= choice.noise_factor;
   if (options.attitude_noise) *options.attitude_noise *= choice.noise_factor;
@@ -143,13 +180,16 @@ NoiseChoice choose_noise(const std::shared_ptr<const models::Model>& model,
                     "least, were expected",
                     captures.size(), options.size()));
   }
+  NoiseChoice start = search.start;
   std::vector<double NoiseChoice::*> sought;
-  if (search.finds_noise_factor) sought.push_back(&NoiseChoice::noise_factor);
-  if (search.finds_velocity) sought.push_back(&NoiseChoice::velocity);
-  if (search.finds_rate) sought.push_back(&NoiseChoice::rate);
-  if (search.finds_spread) sought.push_back(&NoiseChoice::spread);
-  if (search.finds_drift) sought.push_back(&NoiseChoice::drift);
-  NoiseChoice best = score_of(model, options, captures, search, search.start);
+  for (const SearchedNumber& one : kNumbers) {
+    if (one.noise != nullptr && !has_noise(model->info(), one.noise)) {
+      start.*one.number = 0.0;
+    } else if (search.*one.is_sought) {
+      sought.push_back(one.number);
+    }
+  }
+  NoiseChoice best = score_of(model, options, captures, search, start);
   int evaluations = 1;
   constexpr double kFactors[] = {4.0, 2.0, 1.4};
   for (int round = 0; round < search.rounds; ++round) {
@@ -167,9 +207,7 @@ NoiseChoice choose_noise(const std::shared_ptr<const models::Model>& model,
           best = trial;
           gained = true;
           constexpr double kFarEnough = 1e6;
-          if (best.*number > kFarEnough * search.start.*number ||
-              best.*number * kFarEnough < search.start.*number)
-            break;
+          if (best.*number > kFarEnough * start.*number || best.*number * kFarEnough < start.*number) break;
         }
         if (search.progress && !search.progress({"following captures", std::min(0.99, 0.02 * evaluations)})) {
           best.evaluations = evaluations;

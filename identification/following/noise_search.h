@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "samara/base/progress.h"
@@ -24,6 +25,14 @@ struct NoiseChoice {
   int evaluations = 0;  ///< times that all captures were followed
 };
 
+/// Those of the numbers that somebody says; empty: not said.
+struct GivenNoise {
+  std::optional<double> noise_factor = {}, velocity = {}, rate = {}, spread = {}, drift = {};
+};
+
+/// What is given; else frames are as noisy as they are said to be, and nothing is added to the model and its errors.
+NoiseChoice as_given(const GivenNoise& given);
+
 struct NoiseSearch {
   /// s: frames are forecast from so long before; 0: from the frame before.
   double ahead = 0.0;
@@ -36,6 +45,12 @@ struct NoiseSearch {
   ProgressCallback progress = {};
 };
 
+/// The search of what is not given, with the rest held.
+NoiseSearch without_given(NoiseSearch search, const GivenNoise& given);
+
+/// Whether any state of the model has such a noise by its unit: ModelNoise::velocity or ModelNoise::rate.
+bool has_noise(const models::ModelInfo& info, double ModelNoise::*noise);
+
 /// The options with the choice put in. Spread and drift of a coefficient that is not logarithmic are shares of the size
 /// of its value; what is a motion's own has neither.
 FollowOptions with_noise(FollowOptions options, const NoiseChoice& choice);
@@ -46,7 +61,8 @@ NoiseChoice score_of(const std::shared_ptr<const models::Model>& model,
                      const NoiseSearch& search, NoiseChoice choice);
 
 /// The choice under which frames of these captures were most likely before they were seen, by a search along one
-/// number after the other. The same captures give the same choice, on any number of threads.
+/// number after the other. Noise of velocities, or of rates, is 0 where no state of the model has such a unit. The same
+/// captures give the same choice, on any number of threads.
 /// @param options of each capture, as follow_options() makes them
 /// @throws ArgumentError as Follower, as add_frame(), for as many options as there are not
 /// captures, and times that are negative

@@ -52,7 +52,7 @@ double farthest(const StateRanges& been, Eigen::Index state, double from) {
 
 /// What turns a round body about its axis cannot be seen: where it is held, it stays so.
 bool is_unseen_spin(const FollowOptions& options, const models::StateInfo& state) {
-  return options.round_body && (state.unit == "rad/s" || state.unit == "1/s");
+  return options.round_body && noise_by_unit(state) == &ModelNoise::rate;
 }
 
 StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frames, const MeasuredStates& seen,

@@ -1,5 +1,6 @@
 #include "samara/identification/problem/fit_config.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 
@@ -7,6 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/problem/measurement.h"
 #include "samara/identification/problem/prior_formats.h"
 #include "samara/io/toml_document.h"
@@ -58,7 +60,17 @@ int positive_integer(const TomlTable& table, const std::string& key) {
   return static_cast<int>(value);
 }
 
-LossOptions read_loss(const TomlTable& table, const Units& outputs) {
+/// What is said of outputs that are not among those compared would have no effect.
+/// @param compared empty: what all captures measure, which only they tell
+void require_compared(const TomlTable& of_outputs, const std::vector<std::string>& compared) {
+  for (const std::string& name : of_outputs.keys()) {
+    if (compared.empty() || contains(compared, name)) continue;
+    throw of_outputs.error(name, fmt::format("is not among the compared outputs ({})", join(compared)));
+  }
+}
+
+LossOptions read_loss(const TomlTable& table, const Units& outputs,
+                      const std::vector<std::string>& compared) {
   table.expect_keys({"kind", "scale"});
   LossOptions loss;
   try {
@@ -73,6 +85,7 @@ LossOptions read_loss(const TomlTable& table, const Units& outputs) {
   }
   const TomlTable scales = table.table("scale");
   scales.expect_keys(names_of(outputs));
+  require_compared(scales, compared);
   for (const std::string& name : scales.keys())
     loss.scales[name] = scales.positive_difference(name, outputs.at(name));
   return loss;
@@ -145,11 +158,16 @@ struct SeededCount {
   int count = 0;
   std::uint64_t seed = 1;
 };
-SeededCount read_seeded_count(const TomlTable& root, const char* key, const char* count) {
-  if (!root.is_table(key)) return {positive_integer(root, key)};
+SeededCount read_seeded_count(const TomlTable& root, const char* key, const char* count, int least = 1) {
+  const auto read_count = [least](const TomlTable& table, const char* name) {
+    const int value = positive_integer(table, name);
+    if (value < least) throw table.error(name, fmt::format("is {}; {} or more was expected", value, least));
+    return value;
+  };
+  if (!root.is_table(key)) return {read_count(root, key)};
   const TomlTable table = root.table(key);
   table.expect_keys({count, "seed"});
-  SeededCount result{positive_integer(table, count)};
+  SeededCount result{read_count(table, count)};
   if (table.has("seed")) result.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
   return result;
 }
@@ -260,6 +278,7 @@ ComparisonOptions read_comparison(const TomlTable& root, const Units& outputs) {
   if (root.has("stride")) compared.stride = root.positive("stride", "s");
   if (compared.stride && !compared.span) throw root.error("stride", "belongs to `span`, which is not there");
   if (root.has("outputs")) compared.outputs = known_names(root, "outputs", outputs);
+  // Of what is not compared, too: predictions are scored by all that captures measure.
   if (root.has("periods")) compared.periods = read_periods(root.table("periods"), outputs);
   if (root.has("averaged_frames")) compared.averaged_frames = positive_integer(root, "averaged_frames");
   return compared;
@@ -292,13 +311,42 @@ UnknownOptions read_unknowns(const TomlTable& root, const ConfigNames& names, co
   return unknowns;
 }
 
-StartOptions read_starts(const TomlTable& root, const Units& coordinates) {
+/// @throws InputError if no attitude is among what the source knows, so that the key would have no effect
+void require_attitude(const TomlTable& root, const std::string& key, const ConfigNames& names) {
+  const bool has_attitude = std::ranges::any_of(kQuaternionChannels, [&](const std::string& part) {
+    return names.outputs.contains(part) || names.coordinates.contains(part + "(0)");
+  });
+  if (!has_attitude)
+    throw root.error(
+        key, fmt::format("belongs to an attitude ({}), which is not there", join(kQuaternionChannels)));
+}
+
+double read_attitude_scale(const TomlTable& root, const ConfigNames& names,
+                           const ComparisonOptions& compared) {
+  require_attitude(root, "attitude_scale", names);
+  const bool is_compared =
+      compared.outputs.empty() || std::ranges::any_of(compared.outputs, [](const std::string& name) {
+        return contains(kQuaternionChannels, name);
+      });
+  if (!is_compared) {
+    throw root.error("attitude_scale", fmt::format("the attitude is not among the compared outputs ({})",
+                                                   join(compared.outputs)));
+  }
+  return root.positive_difference("attitude_scale", "rad");
+}
+
+StartOptions read_starts(const TomlTable& root, const ConfigNames& names) {
   StartOptions starts;
   if (root.has("starts")) starts.count = positive_integer(root, "starts");
-  if (root.has("initial")) starts.initial = read_quantities(root.table("initial"), coordinates);
+  if (root.has("initial")) starts.initial = read_quantities(root.table("initial"), names.coordinates);
   if (root.has("global")) starts.global = read_global(root);
   if (root.has("rounds")) starts.rounds = positive_integer(root, "rounds");
+  // The spans of a series are segments.
+  const bool has_segments = root.has("segments") || root.has("series");
+  if (starts.rounds > 1 && !has_segments)
+    throw root.error("rounds", "belongs to `segments`, which is not there");
   starts.round_body = root.optional_boolean("round_body").value_or(false);
+  if (starts.round_body) require_attitude(root, "round_body", names);
   return starts;
 }
 
@@ -307,7 +355,7 @@ UncertaintyOptions read_uncertainty(const TomlTable& root) {
   uncertainty.cluster_by = root.optional_strings("cluster_by").value_or(std::vector<std::string>{});
   uncertainty.profiles = root.optional_boolean("profiles").value_or(false);
   if (root.has("bootstrap")) {
-    const SeededCount asked = read_seeded_count(root, "bootstrap", "replicates");
+    const SeededCount asked = read_seeded_count(root, "bootstrap", "replicates", 2);  // one has no scatter
     uncertainty.bootstrap = {asked.count, asked.seed};
   }
   if (root.has("posterior")) {
@@ -330,9 +378,9 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
   options.measurement = read_measurement(root, of_model.outputs);
   const ConfigNames names = with_measurement(of_model, options);
   options.compared = read_comparison(root, names.outputs);
-  if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);
+  if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs, options.compared.outputs);
   if (root.has("attitude_scale"))
-    options.loss.attitude_scale = root.positive_difference("attitude_scale", "rad");
+    options.loss.attitude_scale = read_attitude_scale(root, names, options.compared);
   if (root.has("noise")) options.noise = read_noise(root, names.outputs);
   options.unknowns = read_unknowns(root, names, of_model);
   if (root.has("priors")) {
@@ -343,7 +391,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
   }
   if (root.has("camera")) options.camera = read_camera(root, names.outputs);
   if (root.has("segments")) options.segments = read_segments(root);
-  options.starts = read_starts(root, names.coordinates);
+  options.starts = read_starts(root, names);
   if (root.has("step")) options.solver.step = root.positive("step", "s");
   if (root.has("codebook"))
     options.solver.codebook =

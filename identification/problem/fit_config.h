@@ -14,7 +14,7 @@
 ///
 ///     span = "0.4 s"
 ///     stride = "0.4 s"                                # a span every 0.4 s, not one at the start of a capture
-///     outputs = ["x"]
+///     outputs = ["x", "theta"]
 ///     loss = { kind = "huber", scale = "2 mm" }       # or scale = { x = "2 mm", theta = "3 deg" }
 ///     shared = ["C_D"]
 ///     per_capture = ["v(0)"]
@@ -31,7 +31,7 @@
 ///     round_body = true                               # a disc: turns about its axis change nothing
 ///     rounds = 2                                      # start states found again after the fit, and so on
 ///     log_scale = ["C_D"]
-///     attitude_scale = "2 deg"
+///     attitude_scale = "2 deg"                        # of a body with qw, qx, qy, qz
 ///     noise = "estimated"                             # or { levels = { x = "a", y = "a" }, rounds = 10 }
 ///     camera = { scale = 0.02, rotation = "1 deg" }   # unknown of each capture: deviations beforehand
 ///     delay = { range = ["-20 ms", "20 ms"] }         # of each capture's clock; "delay" is a coordinate

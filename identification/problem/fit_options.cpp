@@ -135,7 +135,7 @@ void validate(const FitOptions& options) {
   if (options.solver.step) require_positive(*options.solver.step, "step");
   require_at_least_one("max_iterations", options.solver.max_iterations);
   const int replicates = options.uncertainty.bootstrap.replicates;
-  require(replicates >= 0, "bootstrap.replicates", replicates, "0 or more");
+  require(replicates == 0 || replicates >= 2, "bootstrap.replicates", replicates, "0, or 2 or more,");
   const int samples = options.uncertainty.posterior.samples;
   require(samples >= 0, "posterior.samples", samples, "0 or more");
 }

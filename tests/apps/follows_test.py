@@ -76,6 +76,15 @@ class Follows(Case):
         self.assertTrue(answer["noise"]["chosen"])
         self.assertIsNotNone(answer["noise"]["score"])
 
+    def test_what_is_given_is_held_where_the_rest_is_chosen_and_no_noise_is_told_of_that_the_model_lacks(self):
+        arguments = [self.fall("c.csv", 0.15), "--train", FOLDER / "a.csv", FOLDER / "b.csv", "--velocity-noise", "0.1", "--drift", "0"]
+        noise = self.followed(*arguments)["noise"]
+        self.assertEqual([noise[key] for key in ("velocity", "drift", "rate")], [0.1, 0, 0])
+        text = " ".join(run("follow", "vertical_fall", self.fitted(), *arguments).stdout.split())
+        self.assertIn("of velocities 0.1 m/s (given) per root of a second;", text)
+        self.assertIn("drift by 0 (given)", text)
+        self.assertNotIn("of rates", text)
+
     def test_the_table_has_a_row_a_frame_and_empty_cells_before_the_start(self):
         target = FOLDER / "followed.csv"
         result = run("follow", "vertical_fall", self.fitted(), self.fall("c.csv", 0.15), "--ahead", "50 ms", "--start-frames", "5", "-o", target)
@@ -116,6 +125,8 @@ class Follows(Case):
         self.check_error(run("follow", "vertical_fall", fit, track, "--ahead", "1e9"), 2, "1000000000 s ahead", "a longer step or less ahead")
         self.check_error(run("follow", "vertical_fall", fit, track, "--step", "1e-12", "--train", FOLDER / "a.csv"), 2, "steps of 1e-12 s", "a longer step")
         self.check_error(run("follow", "vertical_fall", fit, track, "--noise", "y=1"), 2, 'no output "y"')
+        for more in ((), ("--train", FOLDER / "a.csv")):
+            self.check_error(run("follow", "vertical_fall", fit, track, "--rate-noise", "3", *more), 2, "--rate-noise", "3 rad/s", "no state in rad/s")
         self.check_error(run("follow", "vertical_fall", track, track), 3, "the JSON of a fit")
         self.check_error(run("follow", "vertical_fall", fit, track, "--train", FOLDER / "a.csv", track), 3, "is the track that is followed")
         self.check_error(run("follow", "vertical_fall", fit, write("other.csv", "t[s],y[m]\n0,0\n0.1,0\n0.2,0\n")), 3, "other.csv", "measures nothing")

@@ -220,6 +220,8 @@ TEST_CASE("options outside their meaning are refused") {
                o.unknowns.fixed = {{"k", std::nan("")}};
              })),
              Contains("a finite number"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.uncertainty.bootstrap.replicates = 1; })),
+             Contains("bootstrap.replicates is 1; 0, or 2 or more, was expected"));
   CHECK_THAT(fit_error(with([](FitOptions& o) { o.uncertainty.cluster_by = {"drop"}; })),
              Contains("capture \"a\" has no label \"drop\""));
 }

@@ -76,11 +76,9 @@ segments = { length = "60 ms", stages = [1, 10] }
 global = { method = "direct", budget = 40, seed = 7 }
 step = "1 ms"
 averaged_frames = 5
-round_body = true
 rounds = 2
 bootstrap = { replicates = 50, seed = 3 }
 log_scale = ["C_D"]
-attitude_scale = "2 deg"
 [initial]
 C_D = 1.1
 [known]
@@ -110,12 +108,10 @@ C_D = [0.6, 2.0]
   CHECK(options.segments.stages == std::vector<double>{1.0, 10.0});
   CHECK_THAT(*options.solver.step, WithinRel(1e-3, 1e-15));
   CHECK(options.unknowns.log_scale == std::vector<std::string>{"C_D"});
-  CHECK_THAT(options.loss.attitude_scale, WithinRel(2.0 * M_PI / 180.0, 1e-15));
   CHECK(options.starts.global.method == GlobalMethod::direct);
   CHECK(options.starts.global.budget == 40);
   CHECK(options.starts.global.seed == 7);
   CHECK(options.compared.averaged_frames == 5);
-  CHECK(options.starts.round_body);
   CHECK(options.starts.rounds == 2);
   CHECK(options.uncertainty.bootstrap.replicates == 50);
   CHECK(options.uncertainty.bootstrap.seed == 3);
@@ -130,6 +126,36 @@ C_D = [0.6, 2.0]
   CHECK(options.unknowns.fixed.at("thickness") == 0.002);
   CHECK(options.unknowns.box.at("C_D").upper == 2.0);
   CHECK_THAT(options.unknowns.box.at("v(0)").lower, WithinRel(-0.4, 1e-15));
+}
+
+TEST_CASE("a config of a body with an attitude says how its turns count") {
+  const ConfigNames of_body = config_names(samara::models::find_model("immersed_body")->info());
+  const auto read = [&](const std::string& text) { return parse_fit_config(text, "fit.toml", of_body); };
+  const FitOptions options = read("round_body = true\nattitude_scale = \"2 deg\"");
+  CHECK(options.starts.round_body);
+  CHECK_THAT(options.loss.attitude_scale, WithinRel(2.0 * M_PI / 180.0, 1e-15));
+  CHECK_NOTHROW(read("outputs = [\"x\", \"qw\", \"qx\", \"qy\", \"qz\"]\nattitude_scale = 0.01"));
+  CHECK(error_of<samara::InputError>([&] { read("outputs = [\"x\", \"y\"]\nattitude_scale = 0.01"); }) ==
+        "fit.toml:2: attitude_scale: the attitude is not among the compared outputs (x, y)");
+  // Turns that are not measured, of a body that is round.
+  CHECK(read("outputs = [\"x\", \"y\"]\nround_body = true").starts.round_body);
+}
+
+TEST_CASE("keys that would change nothing are refused where they stand") {
+  CHECK(config_error("rounds = 5") == "fit.toml:1: rounds: belongs to `segments`, which is not there");
+  CHECK(parse_fit_config("rounds = 1", "fit.toml", names()).starts.rounds == 1);
+  CHECK(parse_fit_config("rounds = 2\n[series]\nspan = \"1 s\"", "fit.toml", names()).starts.rounds == 2);
+  for (const std::string key : {"round_body = true", "attitude_scale = \"1 deg\""}) {
+    CHECK_THAT(config_error("\n" + key), StartsWith("fit.toml:2: " + key.substr(0, key.find(' '))) &&
+                                             Contains("belongs to an attitude (qw, qx, qy, qz)"));
+  }
+  CHECK_FALSE(parse_fit_config("round_body = false", "fit.toml", names()).starts.round_body);
+  const std::string scale = "loss = { scale = { v = \"5 mm/s\" } }\n", period = "[periods]\nv = 1\n";
+  CHECK_THAT(config_error("outputs = [\"x\"]\n" + scale),
+             StartsWith("fit.toml:2: ") && Contains("v: is not among the compared outputs (x)"));
+  // Of an output that some captures lack, too, and of what a prediction is scored by.
+  CHECK_NOTHROW(parse_fit_config(scale + period, "fit.toml", names()));
+  CHECK_NOTHROW(parse_fit_config("outputs = [\"x\"]\n" + period, "fit.toml", names()));
 }
 
 TEST_CASE("a span may go by its former name, window, but not by both") {
@@ -173,6 +199,8 @@ TEST_CASE("options of segments and priors outside their meaning are refused with
   CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [] }\n"), Contains("the list is empty"));
   CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [1, -2] }\n"), Contains("-2"));
   CHECK_THAT(config_error("bootstrap = 0\n"), StartsWith("fit.toml:1: ") && Contains("more than 0"));
+  for (const char* one : {"bootstrap = 1", "bootstrap = { replicates = 1 }"})
+    CHECK_THAT(config_error(one), StartsWith("fit.toml:1: ") && Contains("is 1; 2 or more was expected"));
   CHECK_THAT(config_error("global = \"anneal\"\n"), Contains("no global search \"anneal\""));
   CHECK_THAT(config_error("step = \"1 m\"\n"), StartsWith("fit.toml:1: "));
   CHECK_THAT(config_error("[priors]\nC_D = { mean = 1, deviation = 0 }\n"), StartsWith("fit.toml:2: "));

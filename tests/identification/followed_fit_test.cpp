@@ -5,6 +5,7 @@
 
 #include "files.h"
 #include "samara/base/streams.h"
+#include "samara/identification/files/follow_files.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/following/followed_motion.h"
 #include "samara/identification/problem/known_so_far.h"
@@ -186,4 +187,71 @@ TEST_CASE("a coefficient at a bound is held, one not determined may lie anywhere
       {.name = "x(0)", .unit = "m", .value = 0.1, .lower = -0.3, .upper = 0.3, .naive_standard_error = 0.01});
   CHECK(warnings_of_coefficients(*oscillator(), fitted)
             .has(WarningKind::errors, "x(0) was one for all captures of the fit: it is held at 0.1 m"));
+}
+
+TEST_CASE("noise is chosen of what the model has, and what is given of it is held") {
+  Stream random(5, 0);
+  const std::vector captures{oscillation("one", 0.1, 0.0, 31, random)};
+  FollowOptions following = options_of(fit_of_clusters(2, 1.0));
+  following.start["v"] = {0.0, 0.1};
+  following.step = 0.025;
+  const std::vector options{following};
+  const NoiseSearch search{.rounds = 1};
+  const NoiseChoice chosen = choose_noise(oscillator(), options, captures, search);
+  CHECK(chosen.velocity > 0.0);
+  CHECK(chosen.rate == 0.0);  // no state is one
+  const GivenNoise given{.velocity = 0.07, .drift = 0.0};
+  const NoiseChoice held = choose_noise(oscillator(), options, captures, without_given(search, given));
+  CHECK(held.velocity == 0.07);
+  CHECK(held.drift == 0.0);
+  CHECK(held.spread > 0.0);
+}
+
+TEST_CASE("noise of velocities or of rates is refused for a model without such a state") {
+  const TemporaryDirectory files;
+  const auto model =
+      files.put("decay.toml",
+                "name = \"decay\"\n[states]\nx = { initial = 2, unit = \"m\" }\n[parameters]\nk = "
+                "{ unit = \"1/s\", above = 0 }\n[rates]\nx = \"-k*x\"\n");
+  FitResult fitted = fit_of_clusters(2, 1.0);
+  fitted.model = "decay";
+  FollowRequest request{.source = model.string(), .fit = files.put("fit.json", fit_json(fitted))};
+  request.track = files.path() / "none.csv";
+  const auto refusal = [&](const GivenNoise& noise) {
+    request.noise = noise;
+    return error_of<ArgumentError>([&] { follow_files(request); });
+  };
+  CHECK(refusal({.velocity = 0.1}) ==
+        "the noise of velocities (--velocity-noise) is 0.1 m/s per root of a second, but \"decay\" has no "
+        "state in m/s; none was expected");
+  CHECK(refusal({.rate = 3.0}) ==
+        "the noise of rates (--rate-noise) is 3 rad/s per root of a second, but \"decay\" has no state in "
+        "rad/s; none was expected");
+  CHECK_THAT(refusal({.velocity = 0.0, .rate = 0.0}), Contains("none.csv"));
+}
+
+TEST_CASE("noise goes to states by their units, however these are written") {
+  const auto model = models::equation_model(
+      {.name = "slowing",
+       .states = {{.name = "v", .unit = "m s^-1"}, {.name = "w", .unit = "s^-1"}, {.name = "x", .unit = "m"}},
+       .parameters = {{.name = "k", .unit = "1/s"}},
+       .rates = {"-k*v", "-k*w", "v"}});
+  CHECK(has_noise(model->info(), &ModelNoise::velocity));
+  CHECK(has_noise(model->info(), &ModelNoise::rate));
+  CHECK(has_noise(oscillator()->info(), &ModelNoise::velocity));
+  CHECK_FALSE(has_noise(oscillator()->info(), &ModelNoise::rate));
+}
+
+TEST_CASE("a followed motion tells of no noise that its model lacks, and which of it was given") {
+  FollowReport report{.noise_was_chosen = true, .given = {.drift = 0.02}};
+  report.noise.drift = 0.02;
+  CHECK_THAT(follow_text(report),
+             Contains("noise of frames times 1, of velocities 0.3 m/s and of rates 3 rad/s per root of a "
+                      "second; coefficients differ by 0.1 and drift by 0.02 (given) per root of a second: "
+                      "chosen on captures to train"));
+  report.has_rates = false;
+  CHECK_THAT(follow_text(report),
+             Contains("times 1, of velocities 0.3 m/s per root of a second; coefficients"));
+  report.has_velocities = false;
+  CHECK_THAT(follow_text(report), Contains("noise of frames times 1; coefficients differ"));
 }
