@@ -29,6 +29,11 @@ def _chosen(bodies: ArrayLike, count: int) -> NDArray[Any]:
         return np.arange(0)
     if chosen.dtype.kind not in "iu":
         raise ArgumentError(f"bodies are of the type {chosen.dtype}, expected whole numbers or a mask")
+    if chosen.ndim != 1:
+        raise ArgumentError(f"bodies have the shape {chosen.shape}, expected (bodies,)")
+    unknown = chosen[(chosen < 0) | (chosen >= count)]
+    if unknown.size:
+        raise ArgumentError(f"there is no body {unknown[0]}, expected 0 to {count - 1}")
     return chosen
 
 
@@ -62,6 +67,8 @@ class Motions:
     @staticmethod
     def of(sweep: Sweep, *, threads: int = 0, progress: Progress = True) -> Motions:
         """Runs the falls of a sweep again and cuts them."""
+        if not isinstance(sweep, Sweep):
+            raise ArgumentError(f"the sweep is of the type {type(sweep).__name__}, expected a samara.Sweep")
         with Reported(progress) as report:
             return Motions(_core.Motions.of(sweep._core, report, counted(threads, "threads")))
 
@@ -101,6 +108,8 @@ class Bodies:
         wind: Optional[ArrayLike] = None,
         seed: int = 1,
     ) -> None:
+        if not isinstance(motions, Motions):
+            raise ArgumentError(f"the motions are of the type {type(motions).__name__}, expected samara.Motions")
         if choice not in ("chain", "graph"):
             raise ArgumentError(f'choice is {choice!r}, expected "chain" or "graph"')
         self._ground = None if ground is None else one_si(ground, "m", "ground")
@@ -123,7 +132,7 @@ class Bodies:
         numbers = np.arange(self.count) if bodies is None else _chosen(bodies, self.count)
         where = _for_each(finite(real_array(places, "places"), "places"), len(numbers), (3,), "places")
         turned = _for_each(finite(real_array(yaw, "yaw"), "yaw"), len(numbers), (), "yaw")
-        # Where one is refused for the ground, none was let go.
+        # Where one is refused, none was let go.
         if self._ground is not None and np.min(where[:, 2], initial=np.inf) <= self._ground:
             low = int(np.argmin(where[:, 2]))
             raise ArgumentError(

@@ -6,7 +6,7 @@ import os
 import sys
 import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -17,7 +17,9 @@ from ._codebook import Codebook
 from ._errors import ArgumentError, in_words_of_python
 from ._identity import identity
 from ._models import Model
-from ._units import Quantity, as_mapping, by_name, check_names, counted, file_in, names_in, one_si, truth, whole
+from ._units import (
+    Quantity, as_mapping, by_name, check_names, counted, file_in, names_in, one_si, text_in, truth, unmasked, whole,
+)
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -180,8 +182,6 @@ def separate(
     check_names(given_floors, names, "output")
     floors = {name: one_si(value, of[name], f"absolute of {name}", least=0) for name, value in given_floors.items()}
     calls_at_most = whole(max_calls, "max_calls", 10**12)
-    if title is not None and not isinstance(title, str):
-        raise ArgumentError(f"title is {title!r}, expected a text")
     certificate_points = whole(certificate_points, "certificate_points", least=1)
     resume, kept = truth(resume, "resume"), file_in(checkpoint, "checkpoint")
     if not callable(function):
@@ -189,7 +189,7 @@ def separate(
     if pool is not None and not callable(getattr(pool, "map", None)):
         raise ArgumentError(f"pool is of the type {type(pool).__name__}, expected an executor of concurrent.futures")
     plan: dict[str, Any] = {
-        "title": title,
+        "title": None if title is None else text_in(title, "title"),
         "command": {"run": [_name_of(function)], "inputs": unit, "outputs": of},
         "box": {n: _ends(bounds, unit[n], n) for n, bounds in box.items()},
         "time": None if end is None else {"end": one_si(end, "s", "end", above=0)},
@@ -267,10 +267,12 @@ class _Calls:
         workers = getattr(self._pool, "_max_workers", os.cpu_count() or 1) if self._pool else 1
         return np.array_split(points, max(1, min(workers, len(points))))
 
-    def _map(self, items: Any, more: tuple[Any, ...]) -> Any:
+    def _map(self, items: Any, more: tuple[Any, ...]) -> Iterator[NDArray[Any]]:
         if self._pool is None:
-            return (self._function(item, *more) for item in items)
-        return self._pool.map(self._function, items, *([m] * len(items) for m in more))
+            answers: Iterable[Any] = (self._function(item, *more) for item in items)
+        else:
+            answers = self._pool.map(self._function, items, *([m] * len(items) for m in more))
+        return (unmasked(answer, "the function's answer") for answer in answers)
 
     def _shaped(self, answer: Any, points: int, times: int) -> NDArray[np.float64]:
         answers = np.asarray(answer)

@@ -102,6 +102,8 @@ def _capture(table: Any, name: str) -> dict[str, Any]:
             raise ArgumentError(f'the column "{column}" of {name}: {error}') from None
         seen.add(quantity)
         numbers = _numbers(values, factor, _core.si_unit(unit) == "s", f'the column "{column}" of {name}')
+        if numbers.ndim != 1:
+            raise ArgumentError(f'the column "{column}" of {name} has the shape {numbers.shape}, expected (frames,)')
         if np.any(np.isinf(numbers)):
             raise ArgumentError(f'the column "{column}" of {name} has an infinite value; NaN stands for a missing one')
         if quantity == "t":

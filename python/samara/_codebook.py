@@ -14,7 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _html, _labels
 from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, Piece, Statistics, certificate_of
 from ._errors import ArgumentError, writing
-from ._units import Quantity, as_mapping, by_name, counted, names_in, one_difference, one_si, real_array, stacked, to_si, whole
+from ._units import (
+    Quantity, as_mapping, by_name, check_names, counted, names_in, one_difference, one_si, real_array, stacked, to_si,
+    whole,
+)
 
 Precision = Literal["double", "single", "auto"]
 Points = Union[Mapping[str, Quantity], ArrayLike]
@@ -191,6 +194,8 @@ class Codebook:
         if type(points) is not np.ndarray or points.dtype.kind != "f":
             free = self._coordinates if not held else tuple(c for c in self._coordinates if c.name not in held)
             points = self._array(points, free, "points")
+        if out is not None:
+            points = _apart(points, out)
         if outputs is not None:
             outputs = names_in(outputs, "outputs")
         if threads is not None or precision != "double":
@@ -216,7 +221,7 @@ class Codebook:
         *,
         fixed: Optional[Mapping[str, Quantity]] = None,
         groups: Union[str, Sequence[Union[str, Sequence[str]]]] = (),
-        quantiles: Union[float, Sequence[float]] = (),
+        quantiles: ArrayLike = (),
         draws: int = 4096,
         seed: int = 1,
     ) -> Statistics:
@@ -281,13 +286,11 @@ class Codebook:
         return real_array(points, what) if named is None else stacked(named, coordinates, what)
 
     def _distributions(self, inputs: Mapping[str, tuple[str, Quantity, Quantity]]) -> dict[str, tuple[str, float, float]]:
-        units = {c.name: c.unit for c in self._coordinates}
         found = {}
-        for name, given in as_mapping(inputs, "inputs").items():
+        for name, (given, unit) in self._with_units(inputs, "inputs").items():
             if not isinstance(given, (tuple, list)) or len(given) != 3:
                 raise ArgumentError(f"{name} is {given!r}, expected such as ('normal', 1.1, 0.05)")
             kind, first, second = given
-            unit = units.get(name, "1")
             if kind == "normal":
                 spread = one_difference(second, unit, name)
             else:
@@ -296,8 +299,14 @@ class Codebook:
         return found
 
     def _held(self, fixed: Mapping[str, Quantity]) -> dict[str, float]:
+        held = self._with_units(fixed, "held coordinates")
+        return {name: one_si(value, unit, name) for name, (value, unit) in held.items()}
+
+    def _with_units(self, given: Mapping[str, Any], what: str) -> dict[str, tuple[Any, str]]:
+        """What is given of coordinates, each with the unit of its own."""
         units = {c.name: c.unit for c in self._coordinates}
-        return {name: one_si(value, units.get(name, "1"), name) for name, value in as_mapping(fixed, "held coordinates").items()}
+        check_names(as_mapping(given, what), list(units), "coordinate")
+        return {name: (value, units[name]) for name, value in given.items()}
 
     def _times(self, times: Any) -> NDArray[np.float64]:
         time = self._coordinates[0]
@@ -324,7 +333,7 @@ class Codebook:
         room = None if out is None or out.ndim < 2 else out.swapaxes(-1, -2)
         is_ours = room is not None and room.flags.c_contiguous
         answer = self._book.trajectories(
-            q, frames, outputs or (), {}, precision, gradient, room if is_ours else None, threads
+            _apart(q, room), frames, outputs or (), {}, precision, gradient, room if is_ours else None, threads
         )
         values = answer[0] if gradient else answer
         shown = values.swapaxes(-1, -2)
@@ -363,7 +372,7 @@ class Codebook:
     ) -> tuple[NDArray[np.float64], ...]:
         """As ``at``, written to any array, where it takes those in C order only."""
         room = out if out is not None and out.flags.c_contiguous else None
-        answer = self._book.at(points, outputs, {}, precision, int(gradient), room, threads)
+        answer = self._book.at(_apart(points, room), outputs, {}, precision, int(gradient), room, threads)
         values = answer[0] if gradient else answer
         if out is not None and room is None:
             np.copyto(out, values)
@@ -375,6 +384,12 @@ def _checked(threads: Any, precision: Any) -> tuple[Optional[int], Precision]:
     if not isinstance(precision, str):
         raise ArgumentError(f'precision is {precision!r}, expected "double", "single" or "auto"')
     return whole(threads, "threads"), precision  # type: ignore[return-value]
+
+
+def _apart(points: NDArray[Any], out: Any) -> NDArray[Any]:
+    """Points that are still the same when a part of the answer stands in ``out``."""
+    is_shared = isinstance(out, np.ndarray) and np.may_share_memory(points, out)
+    return points.copy() if is_shared else points
 
 
 def _check_room(out: NDArray[Any], shape: tuple[int, ...]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Optional, Union
 
@@ -113,10 +113,13 @@ class FitResult:
 
         :raises NoResultError: where the fit has none, as no start succeeded
         """
-        if not self._coefficients:
+        if not self._coefficients and self.status == "failed":
             raise NoResultError(f'there is no coefficient "{name}", for the fit has the status "{self.status}": {self.message}')
         check_names([name], list(self._coefficients), "coefficient", UnknownNameError)
         return self._coefficients[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._coefficients)
 
     @property
     def coefficients(self) -> Any:
@@ -204,7 +207,7 @@ class FitResult:
         The noise is that of the residuals at the answer; uniform in the box, -infinity outside it, and where there are no
         residuals. The gradient is not finite where an output has no derivative.
         """
-        return self._fit.log_posterior(real_array(q, "unknowns"), gradient)
+        return self._fit.log_posterior(real_array(q, "unknowns"), truth(gradient, "gradient"))
 
     def report(self, path: Path) -> None:
         """Writes the page for the browser, complete in one file.

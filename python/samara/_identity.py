@@ -4,13 +4,37 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import io
+import pathlib
 import pickle
+import sys
 import types
 from typing import Any, Optional
+
+import numpy as np
+
+_LIBRARIES = frozenset((*sys.stdlib_module_names, __name__.partition(".")[0]))
+
+_TOLD = (types.FunctionType, functools._lru_cache_wrapper, np.vectorize, type, set, frozenset)
+"""What is told also where it stands inside of something that is pickled."""
 
 
 class _Unknown(Exception):
     """What cannot be told of something."""
+
+
+class _Pickler(pickle.Pickler):
+    """Leaves to a teller what a pickle only names, or has in another order in each run."""
+
+    def __init__(self, file: io.BytesIO, teller: _Teller) -> None:
+        super().__init__(file, 4)
+        self._teller = teller
+
+    def persistent_id(self, thing: Any) -> Optional[str]:
+        if not isinstance(thing, _TOLD):
+            return None
+        self._teller.tell(thing)
+        return "told"
 
 
 class _Teller:
@@ -40,9 +64,16 @@ class _Teller:
             self._add("method")
             self.tell(thing.__func__)
             self.tell(thing.__self__)
+        elif isinstance(thing, functools._lru_cache_wrapper):
+            self._add("cached")
+            self.tell(thing.__wrapped__)
         elif isinstance(thing, functools.partial):
             self._add("partial")
             for part in (thing.func, thing.args, thing.keywords):
+                self.tell(part)
+        elif isinstance(thing, np.vectorize):
+            # Without what it keeps of its calls.
+            for part in (type(thing), thing.pyfunc, thing.otypes, thing.signature, thing.excluded):
                 self.tell(part)
         elif isinstance(thing, types.ModuleType):
             self._add(f"module {thing.__name__}")
@@ -58,14 +89,17 @@ class _Teller:
         elif isinstance(thing, (set, frozenset)):
             # Their order is another one in each run.
             self._add(f"set {sorted(map(repr, thing))!r}")
+        elif isinstance(thing, type):
+            self._class(thing)
         else:
-            self._other(thing)
+            self._object(thing)
 
     def _function(self, function: types.FunctionType) -> None:
         self._add(f"function {function.__module__}.{function.__qualname__}")
-        if self._module is not None and function.__module__ != self._module:
-            return  # of a library
-        for part in (function.__code__, function.__defaults__, function.__kwdefaults__):
+        # What a function of a library makes holds what it was given.
+        if self._is_library(function.__module__) and "<locals>" not in function.__qualname__:
+            return
+        for part in (function.__code__, function.__defaults__, function.__kwdefaults__, vars(function)):
             self.tell(part)
         for cell in function.__closure__ or ():
             try:
@@ -74,32 +108,53 @@ class _Teller:
                 self._add("an empty cell")
                 continue
             self.tell(contents)
-        for name in _names(function.__code__):
-            if name in function.__globals__:
+        self._globals(_names(function.__code__), function.__globals__)
+
+    def _globals(self, names: list[str], first: dict[str, Any]) -> None:
+        """What names stand for in a module, and in those of the user that it names: ``helper`` of ``own.helper``."""
+        spaces = [first]
+        for space in spaces:
+            for name in names:
+                if name not in space:
+                    continue
+                thing = space[name]
                 self._add(f"global {name}")
-                self.tell(function.__globals__[name])
+                self.tell(thing)
+                is_own = isinstance(thing, types.ModuleType) and not self._is_library(thing.__name__)
+                if is_own and not any(vars(thing) is known for known in spaces):
+                    spaces.append(vars(thing))
 
     def _class(self, kind: type) -> None:
+        self._add(f"class {kind.__module__}.{kind.__qualname__}")
         for base in kind.__mro__:
-            if base.__module__ != self._module:
-                continue  # of a library
+            if self._is_library(base.__module__):
+                continue
             for name, member in vars(base).items():
                 for part in _parts(name, member):
                     self._add(f"member {name}")
                     self.tell(part)
 
-    def _other(self, thing: Any) -> None:
-        if isinstance(thing, type):
-            self._class(thing)
-        else:
-            self._class(type(thing))
-            call = getattr(type(thing), "__call__", None)
-            if isinstance(call, types.FunctionType):
-                self.tell(call)
+    def _object(self, thing: Any) -> None:
+        self.tell(type(thing))
+        file = io.BytesIO()
         try:
-            self.digest.update(pickle.dumps(thing, 4))
+            _Pickler(file, self).dump(thing)
+        except _Unknown:
+            raise
         except Exception as error:
             raise _Unknown(f"its {type(thing).__name__} cannot be pickled: {error}") from None
+        self.digest.update(file.getvalue())
+
+    def _is_library(self, name: Optional[str]) -> bool:
+        """Whether a module is Python's, Samara's, or was installed: what it holds is told by its name."""
+        if name is None or name == self._module:
+            return False
+        if name.partition(".")[0] in _LIBRARIES:
+            return True
+        file = getattr(sys.modules.get(name), "__file__", None)
+        if file is None:
+            return False
+        return not {"site-packages", "dist-packages"}.isdisjoint(pathlib.Path(file).parts)
 
     def _add(self, text: str) -> None:
         self.digest.update(text.encode() + b"\0")
@@ -113,8 +168,8 @@ def _parts(name: str, member: Any) -> tuple[Any, ...]:
         return (member.__func__,)
     if isinstance(member, functools.cached_property):
         return (member.func,)
-    is_value = isinstance(member, (bool, int, float, complex, str, bytes)) and not name.startswith("__")
-    return (member,) if is_value or isinstance(member, types.FunctionType) else ()
+    is_pythons = isinstance(member, (types.MemberDescriptorType, types.GetSetDescriptorType)) or name == "_abc_impl"
+    return () if is_pythons or (name.startswith("__") and not callable(member)) else (member,)
 
 
 def _names(code: types.CodeType) -> list[str]:
@@ -125,18 +180,18 @@ def _names(code: types.CodeType) -> list[str]:
 
 def identity(function: Any, *more: Any) -> tuple[str, str]:
     """A hash of the function and what it holds: code, defaults, closures, its object with its class, what it
-    takes from its module.
+    takes from its module and from others of the user.
 
     :param more: what else makes the difference
     :returns: the hash, and why it says nothing, or an empty text
     """
     inner = function
-    while isinstance(inner, functools.partial):
-        inner = inner.func
+    while isinstance(inner, (functools.partial, np.vectorize)):
+        inner = inner.func if isinstance(inner, functools.partial) else inner.pyfunc
     teller = _Teller(getattr(inner, "__module__", None))
     try:
         for thing in (function, *more):
             teller.tell(thing)
-    except _Unknown as unknown:
+    except (_Unknown, RecursionError) as unknown:
         return "unknown", str(unknown)
     return teller.digest.hexdigest()[:16], ""

@@ -11,7 +11,7 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import MissingPackageError
+from ._errors import ArgumentError, MissingPackageError
 
 
 def optional(name: str) -> ModuleType:
@@ -68,17 +68,23 @@ def _frame(answer: Answer) -> Any:
 def _dataset(answer: Answer) -> Any:
     q, parameters, frames, time = answer.q, answer.parameters, answer.frames, answer.time
     values, slopes, outputs = answer.values, answer.slopes, answer.outputs
-    xarray = optional("xarray")
     count = q.ndim - 1
     samples = ("sample",) if count == 1 else tuple(f"sample_{k}" for k in range(count))
     dims = samples if frames is None else (*samples, "time")
-    variables = {o.name: (dims, values[..., k], {"units": o.unit}) for k, o in enumerate(outputs)}
+    variables: list[tuple[str, Any]] = []
+    coords: list[tuple[str, Any]] = []
+    for k, o in enumerate(outputs):
+        variables.append((o.name, (dims, values[..., k], {"units": o.unit})))
+    for k, p in enumerate(parameters):
+        coords.append((p.name, (samples, q[..., k], {"units": p.unit})))
+    if frames is not None:
+        coords.append(("time", ("time", frames, {"units": time.unit})))
     if slopes is not None:
         for k, o in enumerate(outputs):
-            variables[f"d{o.name}"] = ((*dims, "parameter"), slopes[..., k, :], {"long_name": "derivative"})
-    coords: dict[str, Any] = {p.name: (samples, q[..., k], {"units": p.unit}) for k, p in enumerate(parameters)}
-    if frames is not None:
-        coords["time"] = ("time", frames, {"units": time.unit})
-    if slopes is not None:
-        coords["parameter"] = ("parameter", [p.name for p in parameters])
-    return xarray.Dataset(variables, coords=coords)
+            variables.append((f"d{o.name}", ((*dims, "parameter"), slopes[..., k, :], {"long_name": "derivative"})))
+        coords.append(("parameter", ("parameter", [p.name for p in parameters])))
+    names = [name for name, _ in (*variables, *coords)]
+    for name in names:
+        if names.count(name) > 1:
+            raise ArgumentError(f'the Dataset of this answer has "{name}" more than once, expected each name once')
+    return optional("xarray").Dataset(dict(variables), coords=dict(coords))

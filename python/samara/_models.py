@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Optional, Union, overload
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Optional, TypeVar, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import _core
 from ._contents import Output
 from ._errors import ArgumentError, UnknownNameError
-from ._units import Quantity, as_mapping, check_names, finite, names_in, one_si, real_array, to_si, truth
+from ._units import Quantity, as_mapping, check_names, finite, names_in, one_si, text_in, to_si, truth, unmasked
 
 _STEP = 1e-30
 """Of the complex step: so small that its square is lost to rounding, and no digit is."""
@@ -22,26 +22,44 @@ _STEP = 1e-30
 
 @dataclass(frozen=True)
 class State:
-    """A state of a model. ``initial`` is its default at t = 0, SI; ``scale`` its characteristic size."""
+    """A state of a model. ``initial`` is its default at t = 0; ``scale`` its characteristic size. SI, or with a unit."""
 
     name: str
     unit: str = "1"
-    initial: float = 0.0
+    initial: Quantity = 0.0
     description: str = ""
-    scale: Optional[float] = None
+    scale: Quantity = None
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a model, SI. Without a ``default`` it must be given."""
+    """A parameter of a model, SI or with a unit. Without a ``default`` it must be given."""
 
     name: str
     unit: str = "1"
-    default: Optional[float] = None
+    default: Quantity = None
     description: str = ""
-    lower: Optional[float] = None
-    upper: Optional[float] = None
+    lower: Quantity = None
+    upper: Quantity = None
     derived: Optional[str] = None
+
+
+_Described = TypeVar("_Described", State, Parameter)
+
+
+def _in_si(given: _Described) -> _Described:
+    """With numbers in SI, which are finite but for bounds."""
+    numbers: dict[str, Any] = {}
+    for what, value in vars(given).items():
+        told = f"{what} of {given.name}"
+        if what in ("name", "unit", "description"):
+            text_in(value, told)
+        elif what == "initial" or (what != "derived" and value is not None):
+            number = one_si(value, given.unit, told, above=0 if what == "scale" else None)
+            if not (what in ("lower", "upper") and np.isinf(number)):
+                finite(np.asarray(number), told)
+            numbers[what] = number
+    return replace(given, **numbers)
 
 
 @dataclass(frozen=True)
@@ -115,9 +133,11 @@ class Model:
         for key, parameter in parameters.items():
             if not isinstance(parameter, (str, Parameter)):
                 raise ArgumentError(f"{key} is {parameter!r}, expected its unit or a samara.Parameter")
-        self.name = name or getattr(rhs, "__name__", type(rhs).__name__)
-        self.states = tuple(s if isinstance(s, State) else State(n, s) for n, s in states.items())
-        self.parameters = tuple(p if isinstance(p, Parameter) else Parameter(n, p) for n, p in parameters.items())
+        self.name = text_in(name or getattr(rhs, "__name__", type(rhs).__name__), "name")
+        self.states = tuple(_in_si(s if isinstance(s, State) else State(n, s)) for n, s in states.items())
+        self.parameters = tuple(
+            _in_si(p if isinstance(p, Parameter) else Parameter(n, p)) for n, p in parameters.items()
+        )
         own = [s.name for s in self.states] + [p.name for p in self.parameters]
         for name, given in zip(own, [*states, *parameters]):
             if name != given:
@@ -126,21 +146,17 @@ class Model:
             if name == "t" or own.count(name) > 1:
                 other = "that of the time" if name == "t" else "given twice"
                 raise ArgumentError(f'the name "{name}" in the model "{self.name}" is {other}; one of its own was expected')
-        numbers = [(s, what) for s in self.states for what in ("initial", "scale")] + [(p, "default") for p in self.parameters]
-        for of, what in numbers:
-            if getattr(of, what) is not None:
-                finite(real_array(getattr(of, what), f"{what} of {of.name}"), f"{what} of {of.name}")
         if not self.states:
             raise ArgumentError(f'the model "{self.name}" has no state')
         text = (getattr(rhs, "__doc__", None) or "").strip().splitlines()
         self._calls = 0
         self._description = {
             "name": self.name,
-            "title": title or (text[0] if text else "a model in Python"),
+            "title": text_in(title, "title") or (text[0] if text else "a model in Python"),
             "equations": f"Python: {getattr(rhs, '__module__', '')}.{getattr(rhs, '__qualname__', self.name)}(t, x, p)",
             "frames": "those of the function",
-            "source": source or "the caller",
-            "validity": validity or "not said",
+            "source": text_in(source, "source") or "the caller",
+            "validity": text_in(validity, "validity") or "not said",
             "states": [vars(s) for s in self.states],
             "parameters": [
                 {
@@ -305,9 +321,10 @@ class Model:
             raise
 
     def _rows(self, rates: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+        what = "the function's answer"
         if isinstance(rates, np.ndarray) and rates.shape == shape:
-            return rates
-        rows = list(rates)
+            return unmasked(rates, what)
+        rows = [unmasked(row, what) for row in rates]
         if len(rows) != len(self.states):
             raise ArgumentError(
                 f'the function of the model "{self.name}" gave {len(rows)} rates, expected {len(self.states)}, one for each '
@@ -379,6 +396,9 @@ class Simulation:
         check_names([output], self.outputs, "output", UnknownNameError)
         return self.values[..., self.outputs.index(output)]
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.outputs)
+
 
 def simulate(
     model: AnyModel,
@@ -407,7 +427,10 @@ def simulate(
         wanted = list(values) if sensitivities else []
     else:
         wanted = names_in(sensitivities, "sensitivities")
-        check_names(wanted, list(values), "parameter")
+        check_names(wanted, list(units), "parameter")
+        for name in wanted:
+            if name not in values:
+                raise ArgumentError(f'"{name}" of sensitivities is not given, expected among the parameters')
     try:
         shape = np.broadcast_shapes(*(v.shape for v in values.values()))
     except ValueError:

@@ -16,7 +16,7 @@ from ._captures import files_and_tables
 from ._errors import ArgumentError
 from ._labels import optional
 from ._models import AnyModel, _info, core_model
-from ._units import Quantity, as_mapping, check_names, counted, file_in, one_si, real_array, thresholds_in
+from ._units import Quantity, as_mapping, check_names, counted, file_in, one_si, real_array, text_in, thresholds_in
 
 PATTERNS: tuple[str, ...] = tuple(_core.pattern_names())
 """In the order of every array that has a column for each."""
@@ -94,8 +94,7 @@ class Record:
             if given is not None or what == "length":
                 object.__setattr__(self, what, one_si(given, unit, what, least=0))
         counted(self.left_out, "left_out")
-        if not isinstance(self.name, str):
-            raise ArgumentError(f"name is {self.name!r}, expected a text")
+        text_in(self.name, "name")
 
     def features(self, settle: float = 0.5) -> dict[str, float]:
         """By name (``samara.FEATURES``); NaN where one is not known. ``settle``: share left out at the beginning."""

@@ -111,7 +111,7 @@ def _rows(labels: Any) -> list[tuple[str, int, int, str]]:
     return rows
 
 
-def adjusted_rand(first: Sequence[Any], second: Sequence[Any]) -> float:
+def adjusted_rand(first: ArrayLike, second: ArrayLike) -> float:
     """Adjusted Rand index of two labellings of the same things, whatever classes are called: 1: the same, 0: as by chance."""
     numbers = [np.unique(np.asarray(one), return_inverse=True)[1].ravel().tolist() for one in (first, second)]
     return _core.adjusted_rand(*numbers)

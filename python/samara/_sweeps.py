@@ -7,14 +7,15 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Optional, Union
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import _core, _html, _toml
 from ._building import Path, Progress, Reported
+from ._codebook import Points
 from ._contents import Coordinate
 from ._errors import ArgumentError, writing
 from ._labels import optional
-from ._motion import FEATURES
+from ._motion import FEATURES, PATTERNS
 from ._pattern_tools import Clusters, gaussian_mixture, k_means
 from ._units import by_name, check_names, counted, file_in, names_in, real_array, stacked, truth, whole
 
@@ -27,11 +28,11 @@ class Sweep:
     ``features`` (falls, features), NaN where one is not known, columns as ``samara.FEATURES``; ``labels`` (falls,), names of
     patterns; ``margins``, ``status``, ``reached`` [s] (falls,); ``landing`` (falls, 3): x, y [m], t [s]; ``round_of_point``
     (points,), the round of refining that it came with, 0 for those of the plan; empty where an older file does not say it.
+    ``complete``: whether all falls are there; ``message``: how it ended.
     """
 
     def __init__(self, core: _core.Sweep, complete: bool = True, message: str = "") -> None:
         self._core = core
-        self.complete, self.message = complete, message
         told = core.describe()
         self.rounds: list[tuple[int, int, float]] = told["rounds"]
         """Of refining: points, those of them that were run, and the share of those that came first that the others call right."""
@@ -52,6 +53,9 @@ class Sweep:
         self.status: NDArray[np.str_] = np.array(status, dtype=str)
         self.reached = core.reached()
         self.landing = core.landing()
+        falls = len(self.points) * self._release_count
+        self.complete = complete and len(self.labels) == falls
+        self.message = message or ("" if self.complete else f"cancelled after {len(self.labels)} of {falls} falls")
 
     @staticmethod
     def open(path: Path) -> Sweep:
@@ -90,10 +94,14 @@ class Sweep:
         return optional("pandas").DataFrame(columns)
 
     def shares(self) -> NDArray[np.float64]:
-        """(points, patterns): per point, of its falls from all releases, the share that has each of ``samara.PATTERNS``."""
-        return self._core.shares()
+        """(points, patterns): per point, of its falls from all releases, the share that has each of
+        ``samara.PATTERNS``; NaN where a sweep that was ended has not all of a point's falls."""
+        done = self._core.shares()
+        shares = np.full((len(self.points), len(PATTERNS)), np.nan)
+        shares[: len(done)] = done
+        return shares
 
-    def _points(self, points: ArrayLike) -> NDArray[np.float64]:
+    def _points(self, points: Points) -> NDArray[np.float64]:
         named = by_name(points, "points")
         if named is None:
             given = np.ascontiguousarray(real_array(points, "points"))
@@ -104,7 +112,7 @@ class Sweep:
             raise ArgumentError(f"points have the shape {given.shape}, expected (.., {len(self.names)})")
         return given
 
-    def at(self, points: ArrayLike, release: int = 0) -> tuple[NDArray[np.str_], NDArray[np.float64], NDArray[np.float64]]:
+    def at(self, points: Points, release: int = 0) -> tuple[NDArray[np.str_], NDArray[np.float64], NDArray[np.float64]]:
         """The map of one release at (.., coordinates), SI, or at those of a frame by name: patterns, the share of the seven
         nearest falls that have them, and the distance to the nearest fall of another one (the box has sides of length 1)."""
         given = self._points(points)
@@ -118,7 +126,7 @@ class Sweep:
         numbers = [counted(value, what) for value, what in ((count, "count"), (seed, "seed"), (release, "release"))]
         return self._core.draw(pattern, *numbers)
 
-    def clamp(self, pattern: str, points: ArrayLike, *, release: int = 0) -> NDArray[np.float64]:
+    def clamp(self, pattern: str, points: Points, *, release: int = 0) -> NDArray[np.float64]:
         """Points (.., coordinates), SI, moved to where the map of a release has the pattern: as they are where it has it there,
         else the last place that has it on the way from the nearest fall of the pattern."""
         given = self._points(points)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ._errors import ArgumentError
+from ._units import text_in
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
 
@@ -24,11 +25,11 @@ def dumps(table: Mapping[str, Any]) -> str:
 def _key(name: object) -> str:
     if not isinstance(name, str):
         raise ArgumentError(f"the key {name!r} is no text")
-    return name if _BARE.match(name) else _text(name)
+    return name if _BARE.match(name) else _text(name, "a key")
 
 
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _text(text: str, what: str) -> str:
+    return json.dumps(text_in(text, what), ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _value(value: Any, key: str) -> str:
@@ -44,7 +45,7 @@ def _value(value: Any, key: str) -> str:
         text = repr(value)
         return text if any(c in text for c in ".en") else text + ".0"
     if isinstance(value, (str, os.PathLike)):
-        return _text(os.fspath(value))
+        return _text(os.fspath(value), f'"{key}"')
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{_key(k)} = {_value(v, k)}" for k, v in value.items() if v is not None) + " }"
     if isinstance(value, (list, tuple, range)):

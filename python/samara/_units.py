@@ -21,7 +21,7 @@ def to_si(value: Quantity, unit: str, what: str) -> NDArray[np.float64]:
     """The value in SI, as an array (of no dimension for one number)."""
     if isinstance(value, str):
         return np.asarray(_si(value, unit, what))
-    array = _unmasked(value, what)
+    array = unmasked(value, what)
     if array.dtype.kind in "US" or array.dtype.kind == "O":
         flat = [_si(v, unit, what) if isinstance(v, str) else _number(v, what) for v in array.ravel().tolist()]
         return np.array(flat, dtype=float).reshape(array.shape)
@@ -95,6 +95,17 @@ def truth(value: Any, what: str) -> bool:
     return bool(value)
 
 
+def text_in(given: Any, what: str) -> str:
+    """A text that a file can hold, which half of a surrogate pair is not."""
+    if not isinstance(given, str):
+        raise ArgumentError(f"{what} is {given!r}, expected a text")
+    try:
+        given.encode()
+    except UnicodeEncodeError:
+        raise ArgumentError(f"{what} is {given!r}, expected a text that UTF-8 can hold") from None
+    return given
+
+
 def names_in(given: Any, what: str) -> list[str]:
     """Names; one alone is a text."""
     names: list[Any] = [given] if isinstance(given, str) else list(given) if isinstance(given, Iterable) else [None]
@@ -119,13 +130,13 @@ def _si(text: str, unit: str, what: str, reader: Callable[[str, str], float] = _
 
 def real_array(values: Any, what: str) -> NDArray[np.float64]:
     """As doubles, which complex numbers and texts are not."""
-    array = _unmasked(values, what)
+    array = unmasked(values, what)
     if array.dtype.kind not in "fiub":
         raise ArgumentError(f"{what} are of the type {array.dtype}, expected numbers")
     return array.astype(float, copy=False)
 
 
-def _unmasked(values: Any, what: str) -> NDArray[Any]:
+def unmasked(values: Any, what: str) -> NDArray[Any]:
     """As an array, which knows nothing of a mask."""
     missing = mask_of(values)
     if missing is not None and missing.any():
@@ -174,7 +185,7 @@ def check_names(given: Iterable[str], known: Sequence[str], what: str, error: ty
         if name in known:
             continue
         near = difflib.get_close_matches(str(name), known, 1)
-        hint = f'; did you mean "{near[0]}"?' if near else f"; known: {', '.join(known)}"
+        hint = f'; did you mean "{near[0]}"?' if near else f"; known: {', '.join(known) or 'none'}"
         raise error(f'{what} "{name}" is unknown{hint}')
 
 

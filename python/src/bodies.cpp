@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -16,6 +17,7 @@
 #include "arrays.h"
 #include "calls.h"
 #include "rooms.h"
+#include "samara/base/errors.h"
 #include "samara/motion/bodies/steady_wind.h"
 #include "samara/motion/database/database_file.h"
 #include "samara/motion/database/database_report.h"
@@ -64,7 +66,9 @@ py::tuple segments_of(const NextPieces& pieces) {
 }
 
 Eigen::Vector3d vector_of(const Array& values, const std::string& what) {
-  leading_shape(values, 3, what);
+  if (shape_of(values) != Shape{3})
+    throw ArgumentError(
+        fmt::format("{} has the shape {}, expected (3,)", what, shape_text(shape_of(values))));
   return Eigen::Map<const Eigen::Vector3d>(values.data());
 }
 

@@ -151,6 +151,15 @@ def test_statistics_of_distributions_are_those_of_the_command(coin, coin_path):
             coin.sobol(wrong)
 
 
+def test_a_name_that_is_no_coordinate_is_said_before_what_its_unit_would_be(coin):
+    for call, name in [(lambda: coin.slice(v0="10 cm/s"), "v0"),
+                       (lambda: coin.at([[1.1, 0.0]], fixed={"T": "500 ms"}), "T"),
+                       (lambda: coin.sobol({"v0": ("normal", "10 cm/s", "1 cm/s")}), "v0"),
+                       (lambda: coin.sobol(fixed={"v0": "10 cm/s"}), "v0")]:
+        with pytest.raises(samara.ArgumentError, match=f'^coordinate "{name}" is unknown; '):
+            call()
+
+
 def test_a_deviation_is_a_difference_of_temperatures():
     oven = samara.separate(lambda x: x[:, :1] * x[:, 1:], {"a": (250, 700), "b": (0, 1)}, {"u": "K"}, tolerance=1e-6, units={"a": "K"})
     s = oven.sobol({"a": ("normal", "300 degC", "20 K")}, fixed={"b": 1})

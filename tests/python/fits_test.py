@@ -119,6 +119,11 @@ def test_points_of_a_wrong_size_are_refused(result):
             ask(result.answer * (1 + 0j))
 
 
+def test_whether_there_is_a_gradient_is_true_or_false(result):
+    with pytest.raises(samara.ArgumentError, match="gradient is 'yes', expected True or False"):
+        result.log_posterior(result.answer, "yes")
+
+
 def test_an_interval_is_as_open_as_its_profile():
     t = np.linspace(0, 1, 21)
     own = samara.Model(lambda t, x, p: (-p[0] * x[0],), {"x": samara.State("x", "m", initial=1.0)}, {"k": "1/s"}, name="fade")
@@ -194,6 +199,14 @@ def test_a_value_that_is_masked_or_missing_was_not_seen_and_times_may_be_differe
     frame = pandas.DataFrame({"t[s]": pandas.to_timedelta(t, "s"), "x[m]": pandas.array(wrong, "Float64")})
     frame.loc[gone, "x[m]"] = pandas.NA
     assert fitted(frame)["C_D"].value == pytest.approx(expected["C_D"].value, rel=1e-6)
+
+
+def test_a_column_of_a_capture_has_one_dimension(coin):
+    columns = {"t[s]": np.linspace(0, 0.4, 5), "x[m]": np.linspace(0, 0.4, 5)}
+    for head in columns:
+        for shaped in (lambda a: a[None], lambda a: a[:, None], lambda a: np.stack([a, a * np.nan]), lambda a: a[1]):
+            with pytest.raises(samara.ArgumentError, match=r'".*" of capture 1 has the shape .*, expected \(frames,\)'):
+                samara.fit(coin, {**columns, head: shaped(columns[head])})
 
 
 def test_frames_are_captures_and_coefficients_become_one(coin):
@@ -272,6 +285,17 @@ def test_a_fit_whose_output_is_no_number_says_so_where_its_coefficients_are_aske
         with pytest.raises(kind) as raised:
             result["C_T"]
         assert str(raised.value) == 'coefficient "C_T" is unknown; did you mean "C_D"?'
+
+
+def test_a_fit_is_iterated_by_its_coefficients_and_one_without_any_knows_no_name(result):
+    assert list(result) == ["C_D"] and "C_D" in result and "C_T" not in result
+    t = np.linspace(0, 1, 11)
+    own = samara.Model(lambda t, x, p: (-p[0] * x[0],), {"x": "m"}, {"k": "1/s"}, name="fade")
+    fitted = samara.fit(own, {"t[s]": t, "x[m]": 3 * np.exp(-t)},
+                        {"outputs": ["x"], "box": {"x(0)": [0.1, 5.0]}, "fixed": {"k": 1.0}, "loss": {"kind": "none"}})
+    assert fitted.status == "converged" and list(fitted) == []
+    with pytest.raises(samara.UnknownNameError, match='^coefficient "k" is unknown; known: none$'):
+        fitted["k"]
 
 
 def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):

@@ -66,6 +66,7 @@ def test_a_trajectory_is_that_of_the_command():
     for kind in (KeyError, samara.ArgumentError):
         with pytest.raises(kind, match='output "w" is unknown'):
             result["w"]
+    assert tuple(result) == result.outputs and "x" in result and "w" not in result
 
 
 def test_sensitivities_are_those_of_neighbouring_trajectories():
@@ -126,6 +127,11 @@ def test_what_a_users_function_raises_comes_back_with_its_traceback():
 
     with pytest.raises(samara.ArgumentError, match="1 rates, expected 2"):
         samara.simulate(samara.Model(short, {"a": "1", "b": "1"}, {"k": "1"}), {"k": 1.0}, [0.0, 1.0])
+
+    for masked in (lambda t, x, p: (np.ma.masked_where(x[0] > 0, x[0]),), lambda t, x, p: np.ma.masked_where(x > 0, x)):
+        own = samara.Model(masked, {"a": samara.State("a", initial=1.0)}, {"k": "1"})
+        with pytest.raises(samara.ArgumentError, match="the function's answer: 1 of 1 values are masked"):
+            samara.simulate(own, {"k": 1.0}, [0.0, 1.0])
 
     def real_only(t, x, p):
         return (np.arctan2(x[0], p[0]),)
@@ -317,6 +323,16 @@ def test_wrong_calls_are_value_errors():
         (lambda: samara.Model(oscillator, ["x"], {}), "states are given as list"),
         (lambda: samara.Model(oscillator, {"x": "m"}, ["k"]), "parameters are given as list"),
         (lambda: samara.Model(oscillator, {"x": 1.0}, {}), "x is 1.0, expected its unit"),
+        (lambda: samara.Model(oscillator, {"x": samara.State("x", 5)}, {}), "unit of x is 5, expected a text"),
+        (lambda: samara.Model(oscillator, {5: "m"}, {}), "name of 5 is 5, expected a text"),
+        (lambda: samara.Model(oscillator, {"x": samara.State("x", initial=[1, 1])}, {}), "initial of x has 2 values"),
+        (lambda: samara.Model(oscillator, {"x": samara.State("x", initial=None)}, {}), "initial of x is None"),
+        (lambda: samara.Model(oscillator, {"x": samara.State("x", "m", scale=-1)}, {}), "scale of x is -1 m, exp"),
+        (lambda: samara.Model(oscillator, {"x": "m"}, {"k": samara.Parameter("k", lower="0 m")}), "lower of k: .*m"),
+        (lambda: samara.Model(oscillator, {"x": "m"}, {"k": samara.Parameter("k", upper=np.nan)}), "upper of k: .*nan"),
+        (lambda: samara.Model(oscillator, {"x": "m"}, {}, title=3), "title is 3, expected a text"),
+        (lambda: samara.simulate(model(), {"stiffness": 1.0}, TIMES, ["damping"]),
+         '^"damping" of sensitivities is not given, expected among the parameters$'),
         (lambda: samara.simulate("vertical_fall", {"C_D": None}, [0.0, 1.0]), "C_D is None"),
         (lambda: samara.simulate(model(name="heat_rod"), {"stiffness": 1.0}, [0.0, 1.0]), '"heat_rod" is that of a model'),
         (lambda: samara.simulate("heat_rod", {}, [0.0, 1.0]), "field of space"),
@@ -324,6 +340,15 @@ def test_wrong_calls_are_value_errors():
     ]:
         with pytest.raises(samara.ArgumentError, match=text):
             call()
+
+
+def test_numbers_of_states_and_parameters_may_have_units():
+    stiffness = samara.Parameter("stiffness", "1/s^2", 1, lower="1 1/min^2", upper=np.inf)
+    own = samara.Model(oscillator, {"place": samara.State("place", "m", "10 cm"), "speed": "m/s"},
+                       {"stiffness": stiffness, "damping": "1/s"})
+    assert own.states[0].initial == 0.1 and own.parameters[0].lower == 1 / 3600
+    place = samara.simulate(own, {"damping": 0.0}, TIMES)["place"]
+    np.testing.assert_allclose(place, 0.1 * np.cos(TIMES), rtol=0, atol=1e-9)
 
 
 def test_a_solution_that_ends_is_an_outcome():

@@ -153,6 +153,23 @@ def test_answers_go_into_arrays_of_the_caller(coin):
         coin.at(points, out=frozen)
 
 
+def test_an_answer_may_be_written_over_its_points(coin, product):
+    def written(ask, points, answer_of=lambda a: a):
+        """Into the same memory, and a point further."""
+        expected = ask(points).copy()
+        room = np.empty((len(points) + 1, 2))
+        for to in (room[:-1], room[1:]):
+            room[:-1] = points
+            ask(room[:-1], out=answer_of(to))
+            assert np.array_equal(answer_of(to), expected)
+
+    points = np.random.default_rng(0).uniform([-1, 0], [2, 1], (1000, 2))
+    written(product.at, points)
+    written(product.query, points)
+    q = points_of(coin, 1000)[:, 1:]
+    written(lambda q, **more: coin.query(q, [0.3], **more), q, lambda a: a[:, None])
+
+
 def test_precision_and_threads_change_answers_by_rounding_only(coin):
     points = points_of(coin, 20000)
     exact = coin.at(points, threads=1)
@@ -230,6 +247,23 @@ def test_labelled_answers_of_xarray_hold_the_same_numbers(coin):
         assert data[o.name].dims == ("sample", "time") and data[o.name].attrs["units"] == o.unit
         assert np.array_equal(data[o.name], values[..., k])
         assert np.array_equal(data[f"d{o.name}"].sel(parameter="C_D"), slopes[..., k, 0])
+
+
+def test_a_dataset_has_each_name_once():
+    def still(x):
+        return np.repeat(x, 2, 1)
+
+    def moving(x, t):
+        return np.repeat(x[:, None], len(t), 1)
+
+    for parameter, function, outputs, end, more, name in [
+        ("a", still, ["x", "dx"], None, {"gradient": True}, "dx"),
+        ("parameter", still, ["x", "y"], None, {"gradient": True}, "parameter"),
+        ("time", moving, ["x"], 1, {"times": [0.5]}, "time"),
+    ]:
+        book = samara.separate(function, {parameter: (0, 1)}, outputs, end=end, certificate_points=20)
+        with pytest.raises(samara.ArgumentError, match=f'the Dataset of this answer has "{name}" more than once'):
+            book.query({parameter: 0.5}, labels="xarray", **more)
 
 
 def test_nothing_but_the_answer_is_allocated(coin):

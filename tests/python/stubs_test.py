@@ -63,8 +63,30 @@ def test_everything_public_is_documented():
     assert (PACKAGE / "py.typed").exists()
 
 
-def test_annotations_hold():
+def check_types(*what):
     pytest.importorskip("mypy")
-    run = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null", "-p", "samara"],
+    run = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null", *what],
                          cwd=PACKAGE.parent, capture_output=True, text=True)
     assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_annotations_hold():
+    check_types("-p", "samara")
+
+
+CALLS = """
+import numpy as np
+import samara
+def call(book: samara.Codebook, swept: samara.Sweep, result: samara.FitResult) -> float:
+    falls, kinds = swept.clusters(3, ["tilt", "flips"])
+    swept.at({"inertia_ratio": 1.1, "C_R": 2.5})
+    swept.clamp("zigzag", {"inertia_ratio": [1.1, 2.0], "C_R": 2.5})
+    book.sobol(quantiles=np.array([0.1]))
+    print([name.upper() for name in result])
+    return samara.adjusted_rand(swept.labels[falls], kinds.assignment) + samara.adjusted_rand(["a", "b"], [0, 1])
+"""
+
+
+def test_annotations_take_what_is_given(tmp_path):
+    (tmp_path / "calls.py").write_text(CALLS)
+    check_types(str(tmp_path / "calls.py"))

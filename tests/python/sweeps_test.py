@@ -72,18 +72,27 @@ def test_a_sweep_is_a_frame_and_a_map_and_a_page(tmp_path):
     assert (steady["flips"] < swept.thresholds["flips_plane"]).all()
 
 
-def test_a_sweep_that_is_ended_keeps_what_was_done(tmp_path):
+def test_a_sweep_that_is_ended_keeps_what_was_done_and_its_file_says_so(tmp_path):
     plan = {**PLATES, "axes": {"inertia_ratio": {"from": 0.8, "to": 2.4, "count": 900}, "C_R": [2.2, 2.7, 3.2]}}
     ended = samara.sweep(plan, progress=lambda stage, fraction: fraction < 0.3, threads=1)
     assert not ended.complete and "cancelled" in ended.message
     assert 0 < len(ended.labels) < 5400 and len(ended.labels) == len(ended.features)
+    ended.save(tmp_path / "ended.h5")
+    opened = samara.Sweep.open(tmp_path / "ended.h5")
+    assert not opened.complete and opened.message == f"cancelled after {len(opened.labels)} of 5400 falls"
+    assert opened.message == ended.message
+    done = len(ended.labels) // 2
+    shares = opened.shares()
+    assert shares.shape == (2700, 8) and np.isnan(shares[done:]).all()
+    np.testing.assert_allclose(shares[:done].sum(axis=1), 1)
     refined = samara.sweep({**PLATES, "refine": {"rounds": 1}}, progress=False)
     assert [points for points, *_ in refined.rounds] == [27, 17 * 5]
     assert refined.rounds[0][1] == 27 and refined.rounds[1][1] == (refined.status[::2] != "inherited").sum()
     # The points of the plan are of round 0, in the file as well.
     refined.save(tmp_path / "refined.h5")
     again = samara.Sweep.open(tmp_path / "refined.h5")
-    assert again.rounds == refined.rounds and list(np.bincount(again.round_of_point)) == [27, 17 * 5 - 27]
+    assert again.complete and again.rounds == refined.rounds
+    assert list(np.bincount(again.round_of_point)) == [27, 17 * 5 - 27]
     whole = samara.sweep(PLATES, progress=False)
     np.testing.assert_array_equal(again.points[again.round_of_point == 0], whole.points)
 
@@ -170,8 +179,36 @@ MOTIONS = {
 }
 
 
-def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
-    motions = samara.Motions.of(samara.sweep(MOTIONS, progress=False))
+@pytest.fixture(scope="module")
+def motions():
+    return samara.Motions.of(samara.sweep(MOTIONS, progress=False))
+
+
+def test_a_wind_is_one_velocity_for_all_bodies(motions):
+    for wind in (np.ones((2, 3)), np.ones((1, 3)), np.ones((0, 3)), np.ones(2), 1.0):
+        with pytest.raises(samara.ArgumentError, match=r"wind has the shape \(.*\), expected \(3,\)"):
+            samara.Bodies(motions, 2, wind=wind)
+
+
+def test_bodies_are_let_go_all_or_none(motions):
+    bodies = samara.Bodies(motions, 3)
+    for numbers, text in [([0, 1, 7], "there is no body 7, expected 0 to 2"), ([0, -1], "there is no body -1"),
+                          ([[0, 1]], r"bodies have the shape \(1, 2\), expected \(bodies,\)")]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            bodies.release([0, 0, 2.0], bodies=numbers)
+        assert set(bodies.status) == {"waiting"}
+
+
+def test_what_is_no_sweep_and_no_motions_is_refused_by_its_type(motions):
+    for call, text in [(lambda: samara.Motions.of(motions), "sweep is of the type Motions, expected a samara.Sweep"),
+                       (lambda: samara.Motions.of("s.h5"), "sweep is of the type str"),
+                       (lambda: samara.Bodies("m.h5", 2), "motions are of the type str, expected samara.Motions"),
+                       (lambda: samara.Bodies(samara.sweep(PLATES, False), 2), "motions are of the type Sweep")]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            call()
+
+
+def test_bodies_fall_by_the_motions_of_a_sweep(motions, tmp_path):
     assert motions.starts.shape == (len(motions.kinds), 13) and motions.report["segments"] == len(motions.kinds)
     follows = motions.runs[1:] == motions.runs[:-1]
     np.testing.assert_array_equal(motions.ends[:-1][follows], motions.starts[1:][follows])
