@@ -28,9 +28,9 @@ bool is_angle(const Channel& channel);
 struct BeforeCleaning;
 
 struct Capture {
-  std::string id;                             ///< group labels joined by "/", or the stem of the file
-  std::string file;                           ///< the table it was read from; empty if made in memory
-  std::string checksum = {};                  ///< of the bytes of that table, wherever it lies; empty as `file`
+  std::string id;             ///< group labels joined by "/", or the stem of the file
+  std::string file;           ///< the table it was read from; empty if made in memory
+  std::string checksum = {};  ///< of the bytes of that table, wherever it lies; empty as `file`
   std::map<std::string, std::string> labels;  ///< of its group: column -> value
   Eigen::VectorXd times;                      ///< s, strictly increasing
   std::vector<Channel> channels;

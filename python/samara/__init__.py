@@ -16,11 +16,12 @@ from ._core import __version__
 from ._errors import ArgumentError, Error, InputError, MissingPackageError, NoResultError, OutsideBoxError, UnknownNameError
 from ._building import build, separate
 from ._codebook import Codebook
-from ._contents import Axis, Build, Certificate, Coordinate, Front, Group, Output, OutputError, Piece, Statistics
+from ._contents import (Axis, Build, Certificate, Coordinate, Front, Group, ModelInfo, Output, OutputError, Parameter, Piece, State,
+                        Statistics)
 from ._fitting import CaptureFit, Coefficient, FitResult, Unknown, fit
 from ._bodies import Bodies, Motions
 from ._flows import Cloud, Flow, Turbulence, Wake, Wind, realise
-from ._models import Model, ModelInfo, Parameter, Simulation, State, models, simulate
+from ._models import Model, Simulation, models, simulate
 from ._pattern_tools import Agreement, Clusters, adjusted_rand, agreement, gaussian_mixture, k_means
 from ._motion import (
     FEATURES,

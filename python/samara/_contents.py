@@ -1,13 +1,15 @@
-"""What a codebook consists of, as plain values."""
+"""What codebooks and models consist of, as plain values."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any, Optional
+from dataclasses import dataclass, field, replace
+from typing import Any, Optional, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ._units import Quantity, finite, one_si, text_in
 
 
 @dataclass(frozen=True)
@@ -163,3 +165,64 @@ def certificate_of(given: Optional[dict[str, Any]], coordinates: Sequence[Coordi
         outputs[o["name"]] = OutputError(**numbers)
     entries: dict[str, Any] = {**given, "outputs": outputs}
     return Certificate(**entries)
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of a model. ``initial`` is its default at t = 0; ``scale`` its characteristic size. SI, or with a unit."""
+
+    name: str
+    unit: str = "1"
+    initial: Quantity = 0.0
+    description: str = ""
+    scale: Quantity = None
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a model, SI or with a unit. Without a ``default`` it must be given."""
+
+    name: str
+    unit: str = "1"
+    default: Quantity = None
+    description: str = ""
+    lower: Quantity = None
+    upper: Quantity = None
+    derived: Optional[str] = None
+
+
+_Described = TypeVar("_Described", State, Parameter)
+
+
+def in_si(given: _Described) -> _Described:
+    """With numbers in SI, which are finite but for bounds."""
+    numbers: dict[str, Any] = {}
+    for what, value in vars(given).items():
+        told = f"{what} of {given.name}"
+        if what in ("name", "unit", "description"):
+            text_in(value, told)
+        elif what == "initial" or (what != "derived" and value is not None):
+            number = one_si(value, given.unit, told, above=0 if what == "scale" else None)
+            if not (what in ("lower", "upper") and np.isinf(number)):
+                finite(np.asarray(number), told)
+            numbers[what] = number
+    return replace(given, **numbers)
+
+
+@dataclass(frozen=True)
+class ModelInfo:
+    """What ``samara models NAME`` says. ``outputs`` follow from the states; a field of space has none, and its field is a state."""
+
+    name: str
+    title: str
+    equations: str
+    frames: str
+    source: str
+    validity: str
+    symmetries: tuple[str, ...]
+    time_unit: str
+    states: tuple[State, ...]
+    parameters: tuple[Parameter, ...]
+    outputs: tuple[Output, ...]
+    affine_in: tuple[str, ...]
+    force_terms: dict[str, str]

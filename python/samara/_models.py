@@ -5,80 +5,19 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Optional, TypeVar, Union, overload
+from dataclasses import dataclass
+from typing import Any, Optional, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._contents import Output
+from ._contents import ModelInfo, Output, Parameter, State, in_si
 from ._errors import ArgumentError, UnknownNameError
-from ._units import Quantity, as_mapping, check_names, finite, names_in, one_si, text_in, to_si, truth, unmasked
+from ._units import Quantity, as_mapping, check_names, names_in, one_si, text_in, to_si, truth, unmasked
 
 _STEP = 1e-30
 """Of the complex step: so small that its square is lost to rounding, and no digit is."""
-
-
-@dataclass(frozen=True)
-class State:
-    """A state of a model. ``initial`` is its default at t = 0; ``scale`` its characteristic size. SI, or with a unit."""
-
-    name: str
-    unit: str = "1"
-    initial: Quantity = 0.0
-    description: str = ""
-    scale: Quantity = None
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of a model, SI or with a unit. Without a ``default`` it must be given."""
-
-    name: str
-    unit: str = "1"
-    default: Quantity = None
-    description: str = ""
-    lower: Quantity = None
-    upper: Quantity = None
-    derived: Optional[str] = None
-
-
-_Described = TypeVar("_Described", State, Parameter)
-
-
-def _in_si(given: _Described) -> _Described:
-    """With numbers in SI, which are finite but for bounds."""
-    numbers: dict[str, Any] = {}
-    for what, value in vars(given).items():
-        told = f"{what} of {given.name}"
-        if what in ("name", "unit", "description"):
-            text_in(value, told)
-        elif what == "initial" or (what != "derived" and value is not None):
-            number = one_si(value, given.unit, told, above=0 if what == "scale" else None)
-            if not (what in ("lower", "upper") and np.isinf(number)):
-                finite(np.asarray(number), told)
-            numbers[what] = number
-    return replace(given, **numbers)
-
-
-@dataclass(frozen=True)
-class ModelInfo:
-    """What ``samara models NAME`` says. ``outputs`` follow from the states; a field of space has none, and its field is a state."""
-
-    name: str
-    title: str
-    equations: str
-    frames: str
-    source: str
-    validity: str
-    symmetries: tuple[str, ...]
-    time_unit: str
-    states: tuple[State, ...]
-    parameters: tuple[Parameter, ...]
-    outputs: tuple[Output, ...]
-    affine_in: tuple[str, ...]
-    force_terms: dict[str, str]
 
 
 class Model:
@@ -134,9 +73,9 @@ class Model:
             if not isinstance(parameter, (str, Parameter)):
                 raise ArgumentError(f"{key} is {parameter!r}, expected its unit or a samara.Parameter")
         self.name = text_in(name or getattr(rhs, "__name__", type(rhs).__name__), "name")
-        self.states = tuple(_in_si(s if isinstance(s, State) else State(n, s)) for n, s in states.items())
+        self.states = tuple(in_si(s if isinstance(s, State) else State(n, s)) for n, s in states.items())
         self.parameters = tuple(
-            _in_si(p if isinstance(p, Parameter) else Parameter(n, p)) for n, p in parameters.items()
+            in_si(p if isinstance(p, Parameter) else Parameter(n, p)) for n, p in parameters.items()
         )
         own = [s.name for s in self.states] + [p.name for p in self.parameters]
         for name, given in zip(own, [*states, *parameters]):
